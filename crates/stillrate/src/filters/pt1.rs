@@ -1,0 +1,92 @@
+//! First-order low-pass ("PT1", the usual flight-controller gyro filter).
+//!
+//! Backward Euler of y' = 2 pi f_c (z - y): with x = 2 pi f_c dt, the gain is a = x / (1 + x) and y <- y + a (z - y)
+//! (the form used by Betaflight and by most textbooks on sampled RC filters).
+
+use crate::error::{ConfigError, positive};
+use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::real::Real;
+use crate::reals;
+
+/// First-order low-pass with cut-off `cutoff_hz`; the first sample starts it.
+///
+/// # Example
+/// ```
+/// use stillrate::{Filter, Sample, filters::Pt1};
+/// let filter = Pt1::<f32>::new(1000.0, 20.0).unwrap();
+/// let mut state = filter.start();
+/// for k in 0..10_000 {
+///     filter.step(&mut state, Sample { value: (k % 2) as f32, dt: 0.001 });
+/// }
+/// assert!((state.level - 0.5).abs() < 0.07);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Pt1<T> {
+    /// Nominal sample period, s.
+    pub period_s: T,
+    /// Gain at the nominal period.
+    pub gain: T,
+    /// 2 pi times the cut-off, rad/s.
+    pub corner_rad_s: T,
+    /// Values beyond this magnitude count as missing.
+    pub limit: T,
+}
+
+reals! {
+    /// State of [`Pt1`].
+    pub struct Pt1State {
+        /// The filtered value.
+        pub level: T,
+        /// 1 once a sample has been seen.
+        pub started: T,
+    }
+}
+
+impl<T: Real> Pt1<T> {
+    /// Low-pass for samples at `sample_rate_hz` with -3 dB near `cutoff_hz`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if either is not finite and above zero.
+    pub fn new(sample_rate_hz: f64, cutoff_hz: f64) -> Result<Self, ConfigError> {
+        let period = 1.0 / positive("sample_rate_hz", sample_rate_hz, "Hz")?;
+        let corner = core::f64::consts::TAU * positive("cutoff_hz", cutoff_hz, "Hz")?;
+        let x = T::of(corner) * T::of(period);
+        Ok(Self {
+            period_s: T::of(period),
+            gain: x / (T::ONE + x),
+            corner_rad_s: T::of(corner),
+            limit: T::LARGEST.root(),
+        })
+    }
+}
+
+impl<T: Real> Filter<T> for Pt1<T> {
+    type State = Pt1State<T>;
+
+    fn start(&self) -> Pt1State<T> {
+        Pt1State { level: T::ZERO, started: T::ZERO }
+    }
+
+    fn period(&self) -> T {
+        self.period_s
+    }
+
+    #[inline(always)]
+    fn observe<O: Observer<T>>(&self, state: &mut Pt1State<T>, sample: Sample<T>, _observer: &mut O) -> Estimate<T> {
+        let sample_ok = sample.check(self.limit, self.period_s);
+        let x = self.corner_rad_s * sample_ok.dt;
+        let gain = T::select(sample_ok.dt == self.period_s, self.gain, x / (T::ONE + x));
+        let fresh = state.started == T::ZERO || sample_ok.restart;
+        let moved = state.level + gain * (sample_ok.value - state.level);
+        let next = T::select(fresh, sample_ok.value, moved).flushed();
+        state.level = T::select(sample_ok.present, next, state.level);
+        state.started = T::select(sample_ok.present, T::ONE, state.started);
+        Estimate {
+            rate: state.level,
+            acceleration: T::ZERO,
+            variance: T::ZERO,
+            flags: sample_ok.flags.with(Flags::NO_DATA_YET.when(state.started == T::ZERO)),
+        }
+    }
+}

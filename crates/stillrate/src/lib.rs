@@ -1,0 +1,31 @@
+//! Real-time denoising and calibration of inertial sensors: a gyro signal made still without being made late.
+//!
+//! The core runs per sample, on a desk or in firmware: `no_std`, no allocation, no panic, no unsafe code, and the same
+//! bits on every target. A filter is a checked configuration; its state is plain data; a step cannot fail.
+//!
+//! ```
+//! use stillrate::{Filter, Sample, filters::Pt1};
+//! let filter = Pt1::<f64>::new(50.0, 8.0)?;
+//! let mut state = filter.start();
+//! let estimate = filter.step(&mut state, Sample { value: 0.12, dt: 0.02 });
+//! assert_eq!(estimate.rate, 0.12);
+//! # Ok::<(), stillrate::ConfigError>(())
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod block;
+pub mod elementary;
+pub mod error;
+pub mod filter;
+pub mod filters;
+pub mod real;
+pub mod reals;
+
+pub use error::ConfigError;
+pub use filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
+pub use real::Real;
+pub use reals::Reals;

@@ -1,0 +1,191 @@
+//! The number a filter is written in: `f32` or `f64`, with selects instead of branches.
+//!
+//! Every filter, model and matrix kernel of the library is written once, against [`Real`]. The trait offers only
+//! operations whose result is fixed by IEEE 754 (add, subtract, multiply, divide, square root, compare) or by
+//! our own [`elementary`](crate::elementary) functions, so that a log gives the same bits on a desk, in a
+//! browser and in firmware. There is deliberately no fused multiply-add.
+
+use core::fmt::{Debug, Display};
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use crate::elementary;
+
+/// A floating-point number that the filters compute in.
+///
+/// # Example
+/// ```
+/// use stillrate::Real;
+/// fn hypotenuse<T: Real>(a: T, b: T) -> T {
+///     (a * a + b * b).root()
+/// }
+/// assert_eq!(hypotenuse(3.0_f32, 4.0), 5.0);
+/// assert_eq!(hypotenuse(3.0_f64, 4.0), 5.0);
+/// ```
+pub trait Real:
+    Copy
+    + Default
+    + Debug
+    + Display
+    + PartialEq
+    + PartialOrd
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+    + nalgebra::Scalar
+    + num_traits::Zero
+    + num_traits::One
+{
+    /// 0
+    const ZERO: Self;
+    /// 1
+    const ONE: Self;
+    /// 2
+    const TWO: Self;
+    /// 1/2
+    const HALF: Self;
+    /// Distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// Magnitudes below this are flushed to zero: far above the denormals, far below any signal.
+    const TINY: Self;
+    /// Largest finite number.
+    const LARGEST: Self;
+    /// 4 for `f32`, 8 for `f64`.
+    const BYTES: usize;
+
+    /// Rounds a constant or a setting to this type.
+    fn of(value: f64) -> Self;
+    /// Widens to `f64` (exact).
+    fn widen(self) -> f64;
+    /// `yes` where `condition` holds, else `no`; both are already computed, so no branch is needed.
+    #[inline(always)]
+    fn select(condition: bool, yes: Self, no: Self) -> Self {
+        if condition { yes } else { no }
+    }
+    /// Neither NaN nor infinite.
+    #[inline(always)]
+    fn finite(self) -> bool {
+        // NaN and the infinities are the only numbers whose difference with themselves is not zero.
+        self - self == Self::ZERO
+    }
+    /// Magnitude.
+    fn magnitude(self) -> Self;
+    /// The smaller one; the second where the first is NaN.
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        Self::select(self < other, self, other)
+    }
+    /// The larger one; the second where the first is NaN.
+    #[inline(always)]
+    fn most(self, other: Self) -> Self {
+        Self::select(self > other, self, other)
+    }
+    /// Limits to `low..=high`; NaN becomes `low`.
+    #[inline(always)]
+    fn limited(self, low: Self, high: Self) -> Self {
+        self.most(low).least(high)
+    }
+    /// Zero where the magnitude is below [`Real::TINY`], so that nothing decays into slow denormals.
+    #[inline(always)]
+    fn flushed(self) -> Self {
+        Self::select(self.magnitude() < Self::TINY, Self::ZERO, self)
+    }
+    /// Square root, correctly rounded; NaN below zero.
+    fn root(self) -> Self;
+    /// e^x.
+    fn exponential(self) -> Self;
+    /// e^x - 1, accurate near zero.
+    fn exponential_less_one(self) -> Self;
+    /// Natural logarithm.
+    fn logarithm(self) -> Self;
+    /// Sine and cosine of an angle in radians.
+    fn sine_cosine(self) -> (Self, Self);
+    /// Angle of the point (x = `other`, y = `self`) in radians, in -pi..=pi.
+    fn angle_over(self, other: Self) -> Self;
+    /// Hyperbolic tangent.
+    fn tangent_hyperbolic(self) -> Self;
+    /// Writes the number as little-endian bytes; the first [`Real::BYTES`] of the array count.
+    fn to_little_endian(self) -> [u8; 8];
+    /// Reads what [`Real::to_little_endian`] wrote.
+    fn from_little_endian(bytes: [u8; 8]) -> Self;
+}
+
+macro_rules! real {
+    ($type:ident, $module:ident, $tiny:expr, $bytes:expr, $bits:ident, $sign:expr) => {
+        impl Real for $type {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const TWO: Self = 2.0;
+            const HALF: Self = 0.5;
+            const EPSILON: Self = $type::EPSILON;
+            const TINY: Self = $tiny;
+            const LARGEST: Self = $type::MAX;
+            const BYTES: usize = $bytes;
+
+            #[inline(always)]
+            fn of(value: f64) -> Self {
+                value as $type
+            }
+            #[inline(always)]
+            fn widen(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline(always)]
+            fn magnitude(self) -> Self {
+                $type::from_bits(self.to_bits() & !$sign)
+            }
+            #[inline(always)]
+            fn root(self) -> Self {
+                elementary::$module::root(self)
+            }
+            #[inline(always)]
+            fn exponential(self) -> Self {
+                elementary::$module::exponential(self)
+            }
+            #[inline(always)]
+            fn exponential_less_one(self) -> Self {
+                elementary::$module::exponential_less_one(self)
+            }
+            #[inline(always)]
+            fn logarithm(self) -> Self {
+                elementary::$module::logarithm(self)
+            }
+            #[inline(always)]
+            fn sine_cosine(self) -> (Self, Self) {
+                elementary::$module::sine_cosine(self)
+            }
+            #[inline(always)]
+            fn angle_over(self, other: Self) -> Self {
+                elementary::$module::angle_over(self, other)
+            }
+            #[inline(always)]
+            fn tangent_hyperbolic(self) -> Self {
+                elementary::$module::tangent_hyperbolic(self)
+            }
+            #[inline(always)]
+            fn to_little_endian(self) -> [u8; 8] {
+                let mut bytes = [0; 8];
+                let (used, _) = bytes.split_at_mut($bytes);
+                used.copy_from_slice(&self.to_le_bytes());
+                bytes
+            }
+            #[inline(always)]
+            fn from_little_endian(bytes: [u8; 8]) -> Self {
+                let mut used = [0; $bytes];
+                used.copy_from_slice(bytes.split_at($bytes).0);
+                $type::from_le_bytes(used)
+            }
+        }
+    };
+}
+
+real!(f32, single, 1e-30, 4, u32, (1_u32 << 31));
+real!(f64, double, 1e-250, 8, u64, (1_u64 << 63));
