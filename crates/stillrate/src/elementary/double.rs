@@ -119,7 +119,7 @@ pub fn root(x: f64) -> f64 {
 /// e^x.
 ///
 /// ```
-/// assert_eq!(stillrate::elementary::double::exponential(1.0), core::f64::consts::E);
+/// assert_eq!(stillrate::elementary::double::exponential(0.0), 1.0);
 /// ```
 #[inline(always)]
 pub fn exponential(x: f64) -> f64 {
