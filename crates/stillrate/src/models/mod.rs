@@ -1,0 +1,4 @@
+//! One motion model a file: its transition and process noise over a time step.
+mod singer;
+
+pub use singer::{SingerCoefficients, singer_derivatives};
