@@ -11,8 +11,8 @@
 use super::bank::frequency::{FrequencyMemory, MotionMoments};
 use super::bank::mix::{Moments2, Moments4};
 use crate::filter::{Checked, Estimate, Filter, Flags, Observer, Sample};
+use crate::models::SingerCoefficients;
 use crate::models::oscillator::OscillatorStep;
-use crate::models::singer::SingerCoefficients;
 use crate::real::Real;
 use crate::reals;
 use crate::reals::{Lane, Lanes, Reals};

@@ -1,3 +1,5 @@
-//! One motion model a file: its transition and process noise for a time step.
+//! One motion model a file: its transition and process noise over a time step.
 pub mod oscillator;
-pub mod singer;
+mod singer;
+
+pub use singer::{SingerCoefficients, singer_derivatives};

@@ -4,8 +4,8 @@
 //! the updated first row R/S times the old one (the symmetric form of Joseph's, without its cancellation).
 
 use super::mix::{Moments2, Moments4};
+use crate::models::SingerCoefficients;
 use crate::models::oscillator::OscillatorStep;
-use crate::models::singer::SingerCoefficients;
 use crate::real::Real;
 
 /// What a measurement said about one model.
