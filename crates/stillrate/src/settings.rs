@@ -64,7 +64,13 @@ pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
 macro_rules! methods {
     ($callback:ident) => {
         $callback! {
-            Pt1Settings, BiquadSettings, OneEuroSettings, ArKfSettings, SageHusaKfSettings, LinearPredictionSettings
+            MsImmIkfSettings,
+            Pt1Settings,
+            BiquadSettings,
+            OneEuroSettings,
+            ArKfSettings,
+            SageHusaKfSettings,
+            LinearPredictionSettings
         }
     };
 }

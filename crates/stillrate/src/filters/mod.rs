@@ -1,14 +1,24 @@
 //! One published filter a file, reading like its equations.
 mod ar_kf;
+mod bank;
 mod biquad;
 mod linear_prediction;
+mod ms_imm_ikf;
+mod ms_imm_ikf_cycle;
+mod ms_imm_ikf_settings;
 mod one_euro;
 mod pt1;
 mod sage_husa_kf;
 
 pub use ar_kf::{ArKf, ArKfSettings, ArKfState, HIGHEST_ORDER as AR_HIGHEST_ORDER};
+pub use bank::{
+    frequency::{FrequencyMemory, MotionMoments},
+    mix::{Moments2, Moments4},
+};
 pub use biquad::{Biquad, BiquadSettings, BiquadState};
 pub use linear_prediction::{LinearPrediction, LinearPredictionSettings, LinearPredictionState};
+pub use ms_imm_ikf::{MsImmIkf, MsImmIkfState, OSCILLATORS, Pace, RUNGS};
+pub use ms_imm_ikf_settings::MsImmIkfSettings;
 pub use one_euro::{OneEuro, OneEuroSettings, OneEuroState};
 pub use pt1::{Pt1, Pt1Settings, Pt1State};
 pub use sage_husa_kf::{SageHusaKf, SageHusaKfSettings, SageHusaKfState};
