@@ -56,7 +56,7 @@ pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
 /// # Example
 /// ```
 /// macro_rules! names {
-///     ($($settings:ident),*) => { [$(<stillrate::filters::$settings as stillrate::Settings>::METHOD),*] };
+///     ($($settings:ident),* $(,)?) => { [$(<stillrate::filters::$settings as stillrate::Settings>::METHOD),*] };
 /// }
 /// assert!(stillrate::methods!(names).contains(&"pt1"));
 /// ```
@@ -68,7 +68,12 @@ macro_rules! methods {
             MsImmIkfPaperSettings,
             Pt1Settings,
             SingerImmKfSettings,
-            SingerKfSettings
+            SingerKfSettings,
+            BiquadSettings,
+            OneEuroSettings,
+            ArKfSettings,
+            SageHusaKfSettings,
+            LinearPredictionSettings,
         }
     };
 }

@@ -1,19 +1,29 @@
 //! One published filter a file, reading like its equations.
+mod ar_kf;
+mod biquad;
+mod linear_prediction;
 mod ms_imm_ikf;
 mod ms_imm_ikf_cycle;
 mod ms_imm_ikf_paper;
 mod ms_imm_ikf_paper_settings;
 mod ms_imm_ikf_settings;
+mod one_euro;
 mod pt1;
+mod sage_husa_kf;
 mod singer_imm_kf;
 mod singer_kf;
 
+pub use ar_kf::{ArKf, ArKfSettings, ArKfState, HIGHEST_ORDER as AR_HIGHEST_ORDER};
+pub use biquad::{Biquad, BiquadSettings, BiquadState};
+pub use linear_prediction::{LinearPrediction, LinearPredictionSettings, LinearPredictionState};
 pub use ms_imm_ikf::{MsImmIkf, MsImmIkfState, OSCILLATORS, Pace, RUNGS};
 pub use ms_imm_ikf_paper::{FadingGate, MsImmIkfPaper, MsImmIkfPaperState, PaperModel};
 pub use ms_imm_ikf_paper_settings::{
     ALPHA_MIXING, FADING_GATES, FADING_SCOPES, FADING_SOURCES, FADINGS, JACOBIANS, MODES, MsImmIkfPaperSettings,
 };
 pub use ms_imm_ikf_settings::MsImmIkfSettings;
+pub use one_euro::{OneEuro, OneEuroSettings, OneEuroState};
 pub use pt1::{Pt1, Pt1Settings, Pt1State};
+pub use sage_husa_kf::{SageHusaKf, SageHusaKfSettings, SageHusaKfState};
 pub use singer_imm_kf::{SingerImmKf, SingerImmKfSettings, SingerImmKfState, SingerImmModel};
 pub use singer_kf::{SingerKf, SingerKfSettings, SingerKfState};
