@@ -8,3 +8,4 @@ pub mod metrics;
 pub mod random;
 pub mod simulate;
 pub mod statistics;
+pub mod tune;

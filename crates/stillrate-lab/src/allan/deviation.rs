@@ -60,7 +60,7 @@ impl Phase {
 
     /// The variance at cluster length `m`, or `None` if no pair of clusters is full enough.
     pub(crate) fn point(&self, m: usize) -> Option<Point> {
-        let terms = self.sum.len().checked_sub(2 * m).filter(|n| *n > 0 && m > 0)?;
+        let terms = self.sum.len().checked_sub(m.saturating_mul(2)).filter(|n| *n > 0 && m > 0)?;
         if !self.present.is_empty() {
             return self.point_with_gaps(m, terms);
         }

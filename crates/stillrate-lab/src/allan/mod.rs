@@ -146,6 +146,22 @@ pub fn allan_with(z: &[f64], sample_rate_hz: f64, settings: AllanSettings) -> Re
     Ok(describe(&points, &fitted, rate, settings.confidence))
 }
 
+/// The overlapping Allan variance at one cluster length, in samples.
+///
+/// # Errors
+/// [`LogError`] if no two clusters of that length fit.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::allan::variance_at;
+/// assert_eq!(variance_at(&[0.0, 1.0, 0.0, 1.0], 1), Ok(0.5));
+/// ```
+pub fn variance_at(z: &[f64], cluster_samples: usize) -> Result<f64, LogError> {
+    let phase = Phase::new(z);
+    let missing = LogError::TooShort { finite: phase.finite(), needed: cluster_samples.saturating_mul(2).max(2) };
+    phase.point(cluster_samples).map(|p| p.variance).ok_or(missing)
+}
+
 /// Cluster lengths in samples, growing.
 fn clusters(longest: usize, taus: Taus) -> Vec<usize> {
     match taus {
