@@ -1,11 +1,12 @@
 //! Noise figures from a log, without being told where it is at rest.
 //!
 //! White noise: median absolute second difference, N = MAD(d2) / (.6745 sqrt 6) / sqrt(fs), which motion hardly reaches;
-//! on a coarse converter, where the median is a whole number of steps, the root mean square of the second differences
-//! with its tails cut; never below LSB / sqrt(12 fs). It is taken over the longest stretch at rest: second-long windows
-//! whose scatter is near the quietest and whose mean stays put. A stretch counts as rest only if white noise explains
-//! its scatter. Rate random walk from the Allan slope over that stretch: K^2 = 3 (adev(t)^2 - N^2/t) / t at t = 30 s or a
-//! quarter of it, but not below 1e-3 N, nor below sqrt(3) N / length: less could not have been seen.
+//! on a coarse converter, where the median is a whole number of steps, and over short stretches, where it is imprecise,
+//! the root mean square of the second differences with its tails cut; never below LSB / sqrt(12 fs). It is taken over
+//! the longest stretch at rest: second-long windows whose scatter is near the quietest and whose mean stays put; a
+//! stretch counts as rest only if white noise explains its scatter. Rate random walk from the Allan slope over that
+//! stretch: K^2 = 3 (adev(t)^2 - N^2/t) / t at t = 30 s or a quarter of it, but not below 1e-3 N, nor below
+//! sqrt(3) N / length: less could not have been seen.
 
 use core::fmt;
 use core::ops::Range;
@@ -76,6 +77,8 @@ const REST: f64 = 2.0;
 const MAD_OF_NORMAL: f64 = 0.674_489_750_196_081_7;
 /// Steps of the converter below which a median of second differences is too coarse.
 const COARSE: f64 = 3.0;
+/// Differences from which the median is precise enough: below, it scatters 1.6 times as much as the root mean square.
+const MANY: usize = 2000;
 /// Longest averaging time for the walk, s, and the smallest K / N in 1/sqrt(s).
 const WALK: (f64, f64) = (30.0, 1e-3);
 /// Rest (s) from which the Allan deviation at 1 s is trusted, and how far it must exceed N to replace it (a low-pass in
@@ -157,7 +160,7 @@ fn white_sigma(z: &[f64], lsb: f64) -> f64 {
     let middle = median(&mut differences.clone());
     let mut deviations: Vec<f64> = differences.iter().map(|d| (d - middle).magnitude()).collect();
     let mad = median(&mut deviations);
-    if mad > COARSE * lsb {
+    if mad > COARSE * lsb && deviations.len() >= MANY {
         return mad / (MAD_OF_NORMAL * 6.0_f64.root());
     }
     let limit = (4.0 * mad / MAD_OF_NORMAL).max(COARSE * lsb);
@@ -238,9 +241,9 @@ impl Windows {
     fn quietest_tenth(&self, z: &[f64], lsb: f64) -> f64 {
         let length = self.length.max(DIFFERENCES_LEAST).min(z.len());
         let mut sigma: Vec<f64> = z.chunks_exact(length).map(|w| white_sigma(w, lsb)).collect();
-        // Estimates from windows of n samples scatter by some 1.5 / sqrt(n) on white noise alone; the tenth lies 1.3 of
-        // that below their mean.
-        let low = 1.0 - 2.0 / (length as f64).root().max(4.0);
+        // Second differences of n white samples are worth .51 n independent ones: estimates scatter by 1 / sqrt(n), and
+        // their lowest tenth lies 1.3 of that below the mean.
+        let low = 1.0 - 1.3 / (length as f64).root();
         quantile(&mut sigma, 0.1) / low
     }
 
