@@ -17,6 +17,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod attitude;
 pub mod block;
 pub mod elementary;
 pub mod error;
