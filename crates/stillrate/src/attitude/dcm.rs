@@ -44,7 +44,7 @@ pub fn orthonormality_error<T: Real>(c: &Matrix3<T>) -> T {
     let mut worst = T::ZERO;
     for &entry in excess.iter() {
         if !entry.finite() {
-            return entry - entry;
+            return T::of(f64::NAN);
         }
         worst = worst.most(entry.magnitude());
     }
@@ -70,7 +70,7 @@ pub fn check_dcm<T: Real>(c: &Matrix3<T>) -> Result<Matrix3<T>, ConfigError> {
 
 fn within<T: Real>(c: &Matrix3<T>, tolerance: T, range: &'static str) -> Result<Matrix3<T>, ConfigError> {
     let error = orthonormality_error(c);
-    if !(error <= tolerance) {
+    if error > tolerance || !error.finite() {
         return Err(ConfigError::new("orthonormality error |C'C - I| of a rotation matrix", error.widen(), "", range));
     }
     let determinant = determinant(c);

@@ -40,7 +40,7 @@ fn annihilate<T: Real, const N: usize>(a: &mut [[T; N]; N], vectors: &mut [[T; N
     let (app, aqq, apq) = (a[p][p], a[q][q], a[p][q]);
     // Relative to the two diagonal entries, not to the norm: small eigenvalues keep their digits.
     let negligible = T::EPSILON * (app.magnitude().root() * aqq.magnitude().root());
-    if !(apq.magnitude() > negligible) {
+    if apq.magnitude() <= negligible || !apq.finite() {
         return false;
     }
     let theta = (aqq - app) / (T::TWO * apq);

@@ -1,8 +1,12 @@
 //! One published filter a file, reading like its equations.
+mod bank;
 pub mod closed_forms;
 mod cusum_forgetting;
 pub mod fir;
 mod hmm_rls;
+mod ms_imm_ikf;
+mod ms_imm_ikf_cycle;
+mod ms_imm_ikf_settings;
 mod online_ar;
 mod pt1;
 mod random_walk_kf;
@@ -10,11 +14,17 @@ mod recursive;
 mod variable_forgetting;
 mod vector_rls;
 
+pub use bank::{
+    frequency::{FrequencyMemory, MotionMoments},
+    mix::{Moments2, Moments4},
+};
 pub use cusum_forgetting::{CusumForgetting, CusumForgettingSettings, CusumForgettingState};
 pub use fir::{FirLowPass, FirLowPassSettings, FirLowPassState};
 pub use hmm_rls::{
     DEFAULT_TAU_S, RecursiveLeastSquares, RecursiveLeastSquaresSettings, RecursiveLeastSquaresState, WeightedMean,
 };
+pub use ms_imm_ikf::{MsImmIkf, MsImmIkfState, OSCILLATORS, Pace, RUNGS};
+pub use ms_imm_ikf_settings::MsImmIkfSettings;
 pub use online_ar::{OnlineAr, OnlineArState};
 pub use pt1::{Pt1, Pt1Settings, Pt1State};
 pub use random_walk_kf::{RandomWalkKf, RandomWalkKfSettings};

@@ -123,7 +123,7 @@ impl<T: Real, const N: usize> VectorRlsState<T, N> {
         let mut sum = T::ZERO;
         for j in (0..N).rev() {
             for i in 0..j {
-                z[i] = z[i] - self.upper[i][j] * z[j];
+                z[i] -= self.upper[i][j] * z[j];
             }
             sum += z[j] * z[j] / self.diagonal[j];
         }
@@ -140,8 +140,8 @@ impl<T: Real, const N: usize> VectorRlsState<T, N> {
             c = c * old / new;
             self.diagonal[j] = new;
             for i in 0..j {
-                a[i] = a[i] - s * self.upper[i][j];
-                self.upper[i][j] = self.upper[i][j] + beta * a[i];
+                a[i] -= s * self.upper[i][j];
+                self.upper[i][j] += beta * a[i];
             }
         }
     }
@@ -160,7 +160,7 @@ impl<T: Real, const N: usize> VectorRlsState<T, N> {
             for i in 0..j {
                 let old = self.upper[i][j];
                 self.upper[i][j] = old + gain[i] * p;
-                gain[i] = gain[i] + old * v;
+                gain[i] += old * v;
             }
             gain[j] = v;
         }

@@ -72,7 +72,7 @@ impl<T: Real> LineState<T> {
         let left = (T::TWO * longest - self.silent_s).most(T::ZERO);
         let nominal = checked.moves && checked.dt == period && left >= period;
         let periods = if nominal { T::ONE } else { step.least(left) / period };
-        self.silent_s = self.silent_s + step.least(left);
+        self.silent_s += step.least(left);
         let restart = checked.present && self.silent_s > longest && !self.empty();
         // The held output stays until the new sample replaces it.
         self.moments = self.moments.map(|sum| T::select(restart, T::ZERO, sum));
@@ -90,15 +90,15 @@ impl<T: Real> LineState<T> {
         self.squared = flushed(aged(self.squared, u, keep * keep));
         // The weight of a filter that has seen data never quite vanishes: see `empty`.
         self.moments[0] = T::select(alive, self.moments[0].most(T::TINY), self.moments[0]);
-        self.level = self.level + u * self.slope;
+        self.level += u * self.slope;
     }
 
     /// Takes a sample with innovation `x - level` (the line already moved on to it).
     #[inline(always)]
     pub(crate) fn correct(&mut self, value: T, present: bool) -> Gains<T> {
         let one = T::select(present, T::ONE, T::ZERO);
-        self.moments[0] = self.moments[0] + one;
-        self.squared[0] = self.squared[0] + one;
+        self.moments[0] += one;
+        self.squared[0] += one;
         let gains = self.gains(present);
         let innovation = value - self.level;
         self.level = (self.level + gains.level * innovation).flushed();

@@ -54,7 +54,7 @@ pub(crate) fn check_factor(field: &'static str, forgetting_factor: f64) -> Resul
 
 /// Checks both against each other; gives lambda.
 pub(crate) fn check_memory(tau_s: f64, forgetting_factor: f64, sample_rate_hz: f64) -> Result<f64, ConfigError> {
-    if !(tau_s > 0.0) {
+    if tau_s.is_nan() || tau_s <= 0.0 {
         return Err(ConfigError::new("tau_s", tau_s, "s", "above 0"));
     }
     let factor = check_factor("forgetting_factor", forgetting_factor)?;

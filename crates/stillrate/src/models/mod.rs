@@ -1,0 +1,3 @@
+//! One motion model a file: its transition and process noise for a time step.
+pub mod oscillator;
+pub mod singer;
