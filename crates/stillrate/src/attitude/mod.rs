@@ -9,12 +9,16 @@
 //! * [`quaternion`], [`dcm`]: other forms of the same thing, checked and projected;
 //! * [`earth`]: Earth rate and position, exact and safe at the poles;
 //! * [`preintegration`]: rates to one rotation with its derivative by the bias;
+//! * [`reference_bias`]: the bias that makes the integrated rates meet a reference attitude;
+//! * [`shortcuts`]: the classical approximations of it, for comparison.
 
 pub mod dcm;
 pub mod earth;
 pub mod preintegration;
 pub mod quaternion;
+pub mod reference_bias;
 pub mod rotation;
+pub mod shortcuts;
 pub mod so3;
 pub mod symmetric;
 

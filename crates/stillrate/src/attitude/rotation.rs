@@ -65,18 +65,11 @@ frames! {
 /// let c_b_n = Rotation::<f64, Body, Navigation>::from_euler(0.1, -0.2, 1.0);
 /// let nonsense = c_b_n * c_b_n;
 /// ```
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotation<T, From, To> {
     matrix: Matrix3<T>,
     frames: PhantomData<(From, To)>,
 }
-
-impl<T: Real, From: Frame, To: Frame> Clone for Rotation<T, From, To> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<T: Real, From: Frame, To: Frame> Copy for Rotation<T, From, To> {}
 
 impl<T: Real, From: Frame, To: Frame> Rotation<T, From, To> {
     /// No rotation: both frames have the same axes.

@@ -1,4 +1,5 @@
 //! Behaviour of the recursive filters: start-up, gaps, irregular time, long runs in `f32`.
+mod bias;
 mod level;
 mod vector;
 
