@@ -74,6 +74,12 @@ macro_rules! methods {
             ArKfSettings,
             SageHusaKfSettings,
             LinearPredictionSettings,
+            Pt1Settings,
+            RandomWalkKfSettings,
+            RecursiveLeastSquaresSettings,
+            VariableForgettingSettings,
+            CusumForgettingSettings,
+            FirLowPassSettings
         }
     };
 }
