@@ -11,5 +11,5 @@ pub mod saved;
 pub mod settings_map;
 pub mod simulate;
 pub mod statistics;
-pub mod wide;
 pub mod tune;
+pub mod wide;

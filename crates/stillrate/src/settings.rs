@@ -64,22 +64,21 @@ pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
 macro_rules! methods {
     ($callback:ident) => {
         $callback! {
-            MsImmIkfSettings,
-            MsImmIkfPaperSettings,
-            Pt1Settings,
-            SingerImmKfSettings,
-            SingerKfSettings,
-            BiquadSettings,
-            OneEuroSettings,
             ArKfSettings,
-            SageHusaKfSettings,
+            BiquadSettings,
+            CusumForgettingSettings,
+            FirLowPassSettings,
             LinearPredictionSettings,
+            MsImmIkfPaperSettings,
+            MsImmIkfSettings,
+            OneEuroSettings,
             Pt1Settings,
             RandomWalkKfSettings,
             RecursiveLeastSquaresSettings,
+            SageHusaKfSettings,
+            SingerImmKfSettings,
+            SingerKfSettings,
             VariableForgettingSettings,
-            CusumForgettingSettings,
-            FirLowPassSettings
         }
     };
 }
