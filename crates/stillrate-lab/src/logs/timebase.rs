@@ -16,6 +16,9 @@ const BURST_SHARE: f64 = 0.5;
 /// So do they if the average step is longer than this many median steps, the few longest left out.
 const BURST_RATIO: f64 = 1.5;
 
+/// A step so many times longer than the 99th percentile is a pause of the logger.
+const PAUSE_RATIO: f64 = 5.0;
+
 /// What time stamps say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timebase {
@@ -62,9 +65,10 @@ pub fn analyse(t_s: &[f64]) -> Timebase {
 }
 
 fn nominal_period(forward: &[f64], median: f64, steps: usize) -> f64 {
-    // Without the few longest steps: pauses of the logger.
-    let kept = &forward[..forward.len() - forward.len() / 100];
-    let spread = kept.iter().sum::<f64>() / steps.max(1) as f64;
+    // Without pauses of the logger: steps far longer than all but a hundredth of them.
+    let usual_longest = forward.get(forward.len() * 99 / 100).copied().unwrap_or(f64::NAN);
+    let pauses = forward.iter().rev().take_while(|step| **step > PAUSE_RATIO * usual_longest).count();
+    let spread = forward[..forward.len() - pauses].iter().sum::<f64>() / (steps - pauses).max(1) as f64;
     let near = forward.iter().filter(|step| (0.5 * median..=1.5 * median).contains(*step));
     let (count, sum) = near.fold((0_usize, 0.0), |(count, sum), step| (count + 1, sum + step));
     let bursts = spread > BURST_RATIO * median || (count as f64) < BURST_SHARE * steps as f64;
