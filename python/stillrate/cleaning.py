@@ -22,7 +22,7 @@ from stillrate.noise import GyroNoise
 from stillrate.results import Flags
 
 DEFAULT_METHOD = "ms-imm-ikf"
-CHUNK_ROWS = 1 << 16
+CHUNK_ROWS = 1 << 14
 VIEW_POINTS = 4000
 """How many points of probability and frequency are kept for a picture."""
 
@@ -59,8 +59,10 @@ class Cleaned:
         Before and after, same rows and columns.
     configs : dict of str to Config
         What each channel was filtered with.
-    flags : dict of str to int
-        How many samples carry each flag, all channels together.
+    flags : ndarray of uint32, shape (n, channels)
+        Bits of `Flags`.
+    counts : dict of str to dict of str to int
+        By channel, how many samples carry each flag.
     views : dict of str to View
         Inside of each channel's filter; empty unless asked for.
     notes : tuple of str
@@ -70,9 +72,18 @@ class Cleaned:
     raw: Log
     clean: Log
     configs: Mapping[str, Config]
-    flags: Mapping[str, int]
+    flags: npt.NDArray[np.uint32]
+    counts: Mapping[str, Mapping[str, int]]
     views: Mapping[str, View]
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Channel:
+    rate: npt.NDArray[np.float64]
+    flags: npt.NDArray[np.uint32]
+    counts: dict[str, int]
+    view: View | None
 
 
 def settings_for(log: Log, *, method: str | None = None, config: Config | None = None) -> tuple[dict[str, Config], list[str]]:
@@ -129,46 +140,47 @@ def clean(
         raise LogError("no samples in it")
     rates = np.empty_like(log.rate_dps)
     seen: dict[str, View] = {}
-    flags: dict[str, int] = {}
+    bits = np.empty(rates.shape, np.uint32)
+    counts: dict[str, dict[str, int]] = {}
     for index, channel in enumerate(log.channels):
-        result, view, counts = _channel(log, index, configs[channel], views, progress)
-        rates[:, index] = result
-        if view is not None:
-            seen[channel] = view
-        for name, count in counts.items():
-            flags[name] = flags.get(name, 0) + count
+        done = _channel(log, index, configs[channel], views, progress)
+        rates[:, index] = done.rate
+        bits[:, index] = done.flags
+        if done.view is not None:
+            seen[channel] = done.view
+        counts[channel] = done.counts
     made = {"version": __version__, "configuration": {name: config.to_toml() for name, config in configs.items()}}
     meta = {**log.meta, "stillrate": made}
-    return Cleaned(log, dataclasses.replace(log, rate_dps=rates, meta=meta), dict(configs), flags, seen, notes)
+    return Cleaned(log, dataclasses.replace(log, rate_dps=rates, meta=meta), dict(configs), bits, counts, seen, notes)
 
 
 def _channel(
     log: Log, index: int, config: Config, views: bool, progress: Progress | None
-) -> tuple[npt.NDArray[Any], View | None, dict[str, int]]:
+) -> _Channel:
     """Run one channel in chunks."""
     samples = np.ascontiguousarray(log.rate_dps[:, index])
     steps = log.steps_s()
     flt = Filter(config)
     every = max(1, len(log) // VIEW_POINTS)
     result = np.empty_like(samples)
+    flags = np.empty(len(samples), np.uint32)
     counts: dict[str, int] = {}
     kept: list[tuple[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]]] = []
     for begin in range(0, len(log), CHUNK_ROWS):
         part = slice(begin, min(begin + CHUNK_ROWS, len(log)))
         dt_s = None if steps is None else steps[part]
+        trace = flt.run(samples[part], dt_s=dt_s, trace=True)
+        result[part] = trace.rate
+        _count(trace.flags, counts)
+        flags[part] = trace.flags
         if views:
-            trace = flt.run(samples[part], dt_s=dt_s, trace=True)
-            result[part] = trace.rate
-            _count(trace.flags, counts)
             first = (-begin) % every
             shown = np.arange(begin + first, part.stop, every)
             kept.append((shown, trace.probability[first::every], trace.frequency_hz[first::every]))
-        else:
-            result[part] = flt.run(samples[part], dt_s=dt_s)
         if progress is not None:
             progress(part.stop - part.start)
     view = View(*(np.concatenate(parts) for parts in zip(*kept, strict=True))) if kept else None
-    return result, view, counts
+    return _Channel(result, flags, counts, view)
 
 
 def _count(flags: npt.NDArray[np.uint32], counts: dict[str, int]) -> None:

@@ -2,6 +2,7 @@
 //! use threads; everything that runs per sample lives in the core.
 
 pub mod bounds;
+pub mod inspect;
 pub mod logs;
 pub mod metrics;
 pub mod random;

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 
 mod convert;
 mod filter;
+mod inspect;
 mod logs;
 
 /// The compiled half of the Python package.
@@ -13,6 +14,7 @@ mod logs;
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
+    inspect::register(module)?;
     logs::register(module)?;
     Ok(())
 }

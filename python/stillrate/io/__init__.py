@@ -7,7 +7,9 @@ It is imported when a file of its kind is met.
 from __future__ import annotations
 
 import dataclasses
+import errno
 import importlib
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -79,6 +81,8 @@ def read(
     """
     path = Path(path)
     wishes = Wishes(rate_hz=rate_hz, columns=columns, time=time, unit=unit, time_unit=time_unit)
+    if not path.exists():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
     try:
         table = _format(path).read(path)
         log = to_log(table, wishes)
@@ -138,8 +142,6 @@ def to_table(log: Log, *, flat: bool) -> Table:
 
 
 def _format(path: Path) -> Any:
-    if not path.exists():
-        raise FileNotFoundError(f"{path}: no such file")
     suffix = path.suffix.lower()
     if suffix not in _FORMATS:
         raise LogError(f"no reader for {suffix or 'a file without ending'} (one of {', '.join(_FORMATS)})")
