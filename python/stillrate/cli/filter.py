@@ -78,6 +78,8 @@ def command(
         write_page(report, done, force=force)
     if not quiet:
         console = Console(stderr=True)
+        from stillrate.report.figures import remarks
+
         console.print(_summary(done))
         for remark in remarks(done):
             console.print(f"  {remark}", highlight=False, markup=False)
@@ -138,19 +140,5 @@ def _summary(done: Cleaned) -> Table:
     for name in ("channel", "noise density\n(deg/s)/√Hz", "quiet noise before\ndeg/s", "after\ndeg/s", "ratio", "taken away\ndeg/s RMS"):
         table.add_column(name, justify="left" if name == "channel" else "right")
     for figures in axis_figures(done):
-        ratio = f"{figures.before_dps / figures.after_dps:.3g}x" if figures.after_dps > 0 else "-"
-        density = "-" if figures.density is None else f"{figures.density:.3g}"
-        table.add_row(
-            figures.channel, density, f"{figures.before_dps:.3g}", f"{figures.after_dps:.3g}", ratio, f"{figures.removed_dps:.3g}"
-        )
+        table.add_row(*figures.cells())
     return table
-
-
-def remarks(done: Cleaned) -> list[str]:
-    """Return what a user should know: units, time stamps, flagged samples."""
-    found = [*done.notes, *done.raw.meta.get("notes", []), *done.raw.timing.remarks()]
-    for channel, counts in done.counts.items():
-        words = ", ".join(f"{count} {name.lower().replace('_', ' ')}" for name, count in counts.items())
-        if words:
-            found.append(f"{channel}: {words}")
-    return found
