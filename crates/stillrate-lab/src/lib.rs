@@ -1,7 +1,9 @@
 //! The desk-side companion of [`stillrate`]: simulate, tune, analyse, compare. Everything here may allocate and
 //! use threads; everything that runs per sample lives in the core.
 
+pub mod allan;
 pub mod bounds;
+pub mod error;
 pub mod inspect;
 pub mod logs;
 pub mod metrics;
@@ -11,4 +13,5 @@ pub mod saved;
 pub mod settings_map;
 pub mod simulate;
 pub mod statistics;
+pub mod tune;
 pub mod wide;
