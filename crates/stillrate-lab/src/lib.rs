@@ -9,4 +9,5 @@ pub mod saved;
 pub mod settings_map;
 pub mod simulate;
 pub mod statistics;
+pub mod tune;
 pub mod wide;

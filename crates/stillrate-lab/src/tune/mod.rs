@@ -1,0 +1,3 @@
+//! Noise figures and models found from recordings.
+
+pub mod autoregressive;
