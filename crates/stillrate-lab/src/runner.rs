@@ -157,7 +157,7 @@ pub fn build(
         return Err(ConfigError::new("channels", value, "", "a whole number from 1 to 1048576").into());
     }
     macro_rules! by_name {
-        ($($name:ident),*) => {
+        ($($name:ident),* $(,)?) => {
             match method {
                 $(<stillrate::filters::$name as Settings>::METHOD => {
                     start::<stillrate::filters::$name>(settings, channels, precision)
@@ -177,7 +177,7 @@ pub fn build(
 #[must_use]
 pub fn method_names() -> Vec<&'static str> {
     macro_rules! names {
-        ($($name:ident),*) => { vec![$(<stillrate::filters::$name as Settings>::METHOD),*] };
+        ($($name:ident),* $(,)?) => { vec![$(<stillrate::filters::$name as Settings>::METHOD),*] };
     }
     stillrate::methods!(names)
 }

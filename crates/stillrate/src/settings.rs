@@ -56,7 +56,7 @@ pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
 /// # Example
 /// ```
 /// macro_rules! names {
-///     ($($settings:ident),*) => { [$(<stillrate::filters::$settings as stillrate::Settings>::METHOD),*] };
+///     ($($settings:ident),* $(,)?) => { [$(<stillrate::filters::$settings as stillrate::Settings>::METHOD),*] };
 /// }
 /// assert!(stillrate::methods!(names).contains(&"pt1"));
 /// ```
@@ -64,13 +64,21 @@ pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
 macro_rules! methods {
     ($callback:ident) => {
         $callback! {
-            MsImmIkfSettings,
-            Pt1Settings,
-            BiquadSettings,
-            OneEuroSettings,
             ArKfSettings,
+            BiquadSettings,
+            CusumForgettingSettings,
+            FirLowPassSettings,
+            LinearPredictionSettings,
+            MsImmIkfPaperSettings,
+            MsImmIkfSettings,
+            OneEuroSettings,
+            Pt1Settings,
+            RandomWalkKfSettings,
+            RecursiveLeastSquaresSettings,
             SageHusaKfSettings,
-            LinearPredictionSettings
+            SingerImmKfSettings,
+            SingerKfSettings,
+            VariableForgettingSettings,
         }
     };
 }
