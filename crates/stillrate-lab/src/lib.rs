@@ -12,5 +12,4 @@ pub mod settings_map;
 pub mod simulate;
 pub mod statistics;
 pub mod tune;
-pub mod tune;
 pub mod wide;
