@@ -14,18 +14,27 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
+pub mod adaptive;
 pub mod block;
 pub mod elementary;
 pub mod error;
 pub mod filter;
 pub mod filters;
+pub mod gaussian;
+mod imm;
+mod kalman;
+pub mod models;
+pub mod noise;
 pub mod real;
 pub mod reals;
+pub mod settings;
 
 pub use error::ConfigError;
 pub use filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
+pub use noise::GyroNoise;
 pub use real::Real;
-pub use reals::Reals;
+pub use reals::{Lane, Reals};
+pub use settings::Settings;
