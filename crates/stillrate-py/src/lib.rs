@@ -4,6 +4,7 @@
 
 use pyo3::prelude::*;
 
+mod analysis;
 mod convert;
 mod filter;
 
@@ -12,5 +13,6 @@ mod filter;
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
+    analysis::register(module)?;
     Ok(())
 }
