@@ -4,6 +4,7 @@
 
 use pyo3::prelude::*;
 
+mod analysis;
 mod convert;
 mod filter;
 mod inspect;
@@ -16,5 +17,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     filter::register(module)?;
     inspect::register(module)?;
     logs::register(module)?;
+    analysis::register(module)?;
     Ok(())
 }

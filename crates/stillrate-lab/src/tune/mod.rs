@@ -4,5 +4,5 @@ pub mod autoregressive;
 pub mod noise;
 mod quantum;
 
-pub use noise::{NoiseFromLog, NoiseReason, noise_from_log};
+pub use noise::{NoiseFromLog, NoiseReason, noise_from_log, shared_noise};
 pub use quantum::smallest_step;
