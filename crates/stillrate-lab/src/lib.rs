@@ -5,6 +5,7 @@ pub mod allan;
 pub mod bounds;
 pub mod error;
 pub mod metrics;
+pub mod observability;
 pub mod random;
 pub mod runner;
 pub mod saved;
