@@ -6,11 +6,15 @@ use pyo3::prelude::*;
 
 mod convert;
 mod filter;
+mod inspect;
+mod logs;
 
 /// The compiled half of the Python package.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
+    inspect::register(module)?;
+    logs::register(module)?;
     Ok(())
 }
