@@ -9,6 +9,8 @@ pub mod logs;
 pub mod metrics;
 pub mod observability;
 pub mod random;
+pub mod recursive;
+pub mod reference_bias;
 pub mod runner;
 pub mod saved;
 pub mod settings_map;
