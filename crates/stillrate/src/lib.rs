@@ -18,6 +18,7 @@
 extern crate std;
 
 pub mod block;
+pub mod correction;
 pub mod elementary;
 pub mod error;
 pub mod filter;
