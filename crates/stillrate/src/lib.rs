@@ -32,5 +32,5 @@ pub use error::ConfigError;
 pub use filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 pub use noise::GyroNoise;
 pub use real::Real;
-pub use reals::Reals;
+pub use reals::{Lane, Reals};
 pub use settings::Settings;
