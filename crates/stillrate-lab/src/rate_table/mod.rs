@@ -1,0 +1,8 @@
+//! The rate-table error model: what is wrong with a gyro's rate as a function of the rate, fitted so that it holds on rates not seen.
+pub mod candidate;
+pub mod fit;
+pub mod levenberg;
+pub mod network;
+pub mod plateaus;
+pub mod points;
+pub mod training;

@@ -1,0 +1,9 @@
+//! Finding the numbers a filter needs: optimisers and what they make small.
+pub mod brent;
+mod candidates;
+pub mod gain_ratio;
+mod lanes;
+pub mod minimise;
+pub mod qpso;
+pub mod records;
+pub mod tuned;
