@@ -211,3 +211,25 @@ impl<const W: usize> Tally<W> {
 pub(crate) fn has_settled(before: f64, now: f64) -> bool {
     (now - before).magnitude() <= SETTLED * now.magnitude()
 }
+
+/// Runs candidates sample by sample and shows the rates after each from the first usable sample on. The objectives use [`run`], which
+/// executes the same operations.
+pub(crate) fn watch<M: Candidates<W>, const W: usize>(
+    q: &[f64; W],
+    period_s: f64,
+    z: &[f64],
+    show: &mut dyn FnMut(usize, &[f64; W]),
+) {
+    let Some(first) = z.iter().position(|v| v.is_finite()) else { return };
+    let mut filters = M::start(q, period_s, z[first]);
+    show(first, filters.rate());
+    for (k, value) in z.iter().enumerate().skip(first + 1) {
+        if value.is_finite() {
+            filters.gain();
+            filters.update(*value);
+        } else {
+            filters.coast();
+        }
+        show(k, filters.rate());
+    }
+}

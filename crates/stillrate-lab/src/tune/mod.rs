@@ -6,4 +6,5 @@ mod lanes;
 pub mod minimise;
 pub mod qpso;
 pub mod records;
+pub mod track;
 pub mod tuned;
