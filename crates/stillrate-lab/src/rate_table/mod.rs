@@ -9,4 +9,5 @@ pub mod plateaus;
 pub mod points;
 pub mod published;
 pub mod study;
+pub mod table3;
 pub mod training;

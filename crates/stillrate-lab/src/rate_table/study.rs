@@ -4,8 +4,9 @@
 //! what its owner would have: the rate table gives the truth for the calibration; noise is tuned on motions with truth or by the
 //! innovations without.
 
-use stillrate::Real;
 use stillrate::correction::ErrorCurve;
+use stillrate::filters::{MsImmIkf, MsImmIkfSettings};
+use stillrate::{Filter, Real, Sample, Settings};
 
 use crate::random::Random;
 use crate::rate_table::bed::{
@@ -22,6 +23,7 @@ use crate::tune::minimise::Method;
 use crate::tune::records::Record;
 use crate::tune::track::track;
 use crate::tune::tuned::{Tuned, tune};
+use crate::tune::tuned_bank::tune_bank;
 
 /// Rates of the calibration run.
 const CALIBRATION_RATES: usize = 13;
@@ -78,6 +80,8 @@ pub struct Prepared {
     pub seen: [Tuned; 2],
     /// Random walk tuned on constants only: by innovations, by the true rate (the published objective).
     pub on_constants: [Tuned; 2],
+    /// The recommended bank with the noise its innovations on the tuning motions imply.
+    pub bank: MsImmIkf<f64>,
 }
 
 /// Records of a list of motions.
@@ -131,7 +135,11 @@ pub fn prepare(unit: &Unit, seed: u64, published_epochs: usize) -> Result<Prepar
     } else {
         None
     };
+    let blind_records: Vec<Record<'_>> = tuning.iter().map(|(_, y)| Record { measured: y, truth: None }).collect();
+    let noise = tune_bank(&blind_records, PERIOD_S, &mut |_| true).map_err(|error| error.to_string())?.noise;
+    let bank = MsImmIkfSettings::defaults(SAMPLE_RATE_HZ, noise).build().map_err(|error| error.to_string())?;
     Ok(Prepared {
+        bank,
         line,
         published,
         blind: [
@@ -177,6 +185,8 @@ pub fn contenders(prepared: &Prepared) -> Vec<Contender<'_>> {
         ),
         contender("two-state KF, truth, then calibration", Box::new(move |y| subtract(curve, &two(seen_two, y)))),
     ];
+    let bank = &prepared.bank;
+    all.push(contender("IMM bank, innovations, then calibration", Box::new(|y| subtract(curve, &run_bank(bank, y)))));
     if let Some(published) = &prepared.published {
         all.push(contender("published network", Box::new(|y| subtract(published, y))));
         let slow = move |y: &[f64]| track(Walk::RandomWalk, -12.0, PERIOD_S, &subtract(published, y));
@@ -204,6 +214,12 @@ pub fn score(unit: &Unit, seed: u64, contenders: &[Contender<'_>]) -> Vec<Row> {
             }
         })
         .collect()
+}
+
+/// Rates of the bank at each sample.
+fn run_bank(bank: &MsImmIkf<f64>, measured: &[f64]) -> Vec<f64> {
+    let mut state = bank.start();
+    measured.iter().map(|&value| bank.step(&mut state, Sample { value, dt: PERIOD_S }).rate).collect()
 }
 
 /// Root mean square difference of two records.

@@ -1,4 +1,5 @@
 //! Finding the numbers a filter needs: optimisers and what they make small.
+pub mod bank_likelihood;
 pub mod brent;
 mod candidates;
 pub mod gain_ratio;
@@ -8,3 +9,4 @@ pub mod qpso;
 pub mod records;
 pub mod track;
 pub mod tuned;
+pub mod tuned_bank;
