@@ -17,12 +17,16 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+pub mod adaptive;
 pub mod block;
 pub mod correction;
 pub mod elementary;
 pub mod error;
 pub mod filter;
 pub mod filters;
+pub mod gaussian;
+mod imm;
+mod kalman;
 pub mod models;
 pub mod noise;
 pub mod real;
