@@ -6,11 +6,13 @@ use pyo3::prelude::*;
 
 mod convert;
 mod filter;
+mod rate_table;
 
 /// The compiled half of the Python package.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
+    rate_table::register(module)?;
     Ok(())
 }

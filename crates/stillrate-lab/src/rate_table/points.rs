@@ -79,7 +79,10 @@ pub fn from_segments(log: Log<'_>, segments: &[(usize, usize)]) -> Result<Vec<Po
 }
 
 /// Refuses what no calibration can be made from.
-fn check(log: Log<'_>) -> Result<(), String> {
+///
+/// # Errors
+/// A sentence that says what is wrong with the log.
+pub fn check(log: Log<'_>) -> Result<(), String> {
     let n = log.measured.len();
     if log.truth.len() != n {
         return Err(format!("{} true rates for {n} measured ones (must be as many)", log.truth.len()));
@@ -102,6 +105,46 @@ fn check(log: Log<'_>) -> Result<(), String> {
         return Err("no noise in the record: the measured rate never changes".into());
     }
     Ok(())
+}
+
+/// Points that are means already, with their standard errors; a point's weight is its information, 1/standard_error^2.
+///
+/// # Errors
+/// A sentence if the lists do not fit or hold what is no number.
+pub fn from_means(
+    rates: &[f64],
+    errors: &[f64],
+    standard_errors: &[f64],
+    temperatures: Option<&[f64]>,
+) -> Result<Vec<Point>, String> {
+    let n = rates.len();
+    if errors.len() != n || standard_errors.len() != n || temperatures.is_some_and(|t| t.len() != n) {
+        return Err(format!(
+            "{n} rates, {} errors, {} standard errors (must be as many)",
+            errors.len(),
+            standard_errors.len()
+        ));
+    }
+    let all = rates.iter().chain(errors).chain(temperatures.unwrap_or_default());
+    if let Some(bad) = all.clone().find(|v| !v.is_finite()) {
+        return Err(format!("a calibration point holds {bad} (must be finite)"));
+    }
+    if let Some(bad) = standard_errors.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
+        return Err(format!("standard error {bad} (must be finite and > 0)"));
+    }
+    let sharpest = standard_errors.iter().copied().fold(f64::INFINITY, f64::min);
+    // In units of the least certain point a weight is a whole number of equally uncertain samples.
+    let bluntest = standard_errors.iter().copied().fold(sharpest, f64::max);
+    let samples = |s: f64| ((bluntest / s) * (bluntest / s) * 1000.0) as usize;
+    Ok((0..n)
+        .map(|k| Point {
+            rate: rates[k],
+            temperature: temperatures.map(|t| t[k]),
+            error: errors[k],
+            standard_error: standard_errors[k],
+            samples: samples(standard_errors[k]).max(1),
+        })
+        .collect())
 }
 
 /// Refuses units and signs that do not fit each other.
