@@ -1,7 +1,11 @@
 //! The desk-side companion of [`stillrate`]: simulate, tune, analyse, compare. Everything here may allocate and
 //! use threads; everything that runs per sample lives in the core.
 
+pub mod allan;
 pub mod bounds;
+pub mod error;
+pub mod inspect;
+pub mod logs;
 pub mod metrics;
 pub mod random;
 pub mod rate_table;

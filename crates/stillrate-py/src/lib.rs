@@ -6,6 +6,8 @@ use pyo3::prelude::*;
 
 mod convert;
 mod filter;
+mod inspect;
+mod logs;
 mod rate_table;
 
 /// The compiled half of the Python package.
@@ -14,5 +16,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
     rate_table::register(module)?;
+    inspect::register(module)?;
+    logs::register(module)?;
     Ok(())
 }
