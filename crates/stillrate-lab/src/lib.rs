@@ -11,6 +11,7 @@ pub mod observability;
 pub mod random;
 pub mod recursive;
 pub mod reference_bias;
+pub mod rate_table;
 pub mod runner;
 pub mod saved;
 pub mod settings_map;

@@ -9,12 +9,14 @@ mod convert;
 mod filter;
 mod inspect;
 mod logs;
+mod rate_table;
 
 /// The compiled half of the Python package.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
+    rate_table::register(module)?;
     inspect::register(module)?;
     logs::register(module)?;
     analysis::register(module)?;

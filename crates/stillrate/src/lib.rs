@@ -20,6 +20,7 @@ extern crate std;
 pub mod adaptive;
 pub mod attitude;
 pub mod block;
+pub mod correction;
 pub mod elementary;
 pub mod error;
 pub mod filter;
