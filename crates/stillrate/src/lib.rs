@@ -22,6 +22,7 @@ pub mod elementary;
 pub mod error;
 pub mod filter;
 pub mod filters;
+pub mod gimbal;
 pub mod real;
 pub mod reals;
 
