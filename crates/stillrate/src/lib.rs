@@ -23,10 +23,14 @@ pub mod error;
 pub mod filter;
 pub mod filters;
 pub mod gimbal;
+pub mod noise;
 pub mod real;
 pub mod reals;
+pub mod settings;
 
 pub use error::ConfigError;
 pub use filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
+pub use noise::GyroNoise;
 pub use real::Real;
-pub use reals::Reals;
+pub use reals::{Lane, Reals};
+pub use settings::Settings;
