@@ -1,6 +1,7 @@
 //! The desk-side companion of [`stillrate`]: simulate, tune, analyse, compare. Everything here may allocate and
 //! use threads; everything that runs per sample lives in the core.
 
+pub mod gimbal;
 pub mod runner;
 pub mod saved;
 pub mod settings_map;
