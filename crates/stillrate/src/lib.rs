@@ -14,7 +14,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
 pub mod block;
@@ -23,6 +23,7 @@ pub mod error;
 pub mod filter;
 pub mod filters;
 pub mod gimbal;
+pub mod models;
 pub mod noise;
 pub mod real;
 pub mod reals;

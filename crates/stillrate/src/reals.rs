@@ -74,6 +74,42 @@ impl<T: Copy, U: Reals<T>, const N: usize> Reals<T> for [U; N] {
     }
 }
 
+/// Data of many channels side by side, from which the data of one channel can be taken and put back.
+pub trait Lanes {
+    /// The data of one channel.
+    type Narrow: Copy;
+    /// Takes the data of channel `c`.
+    fn lane(&self, c: usize) -> Self::Narrow;
+    /// Puts the data of channel `c` back.
+    fn set_lane(&mut self, c: usize, narrow: Self::Narrow);
+}
+
+impl<T: Real, const W: usize> Lanes for Lane<T, W> {
+    type Narrow = T;
+    #[inline(always)]
+    fn lane(&self, c: usize) -> T {
+        self.0[c]
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, c: usize, narrow: T) {
+        self.0[c] = narrow;
+    }
+}
+
+impl<U: Lanes, const N: usize> Lanes for [U; N] {
+    type Narrow = [U::Narrow; N];
+    #[inline(always)]
+    fn lane(&self, c: usize) -> Self::Narrow {
+        core::array::from_fn(|k| self[k].lane(c))
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, c: usize, narrow: Self::Narrow) {
+        for (item, value) in self.iter_mut().zip(narrow) {
+            item.set_lane(c, value);
+        }
+    }
+}
+
 /// Declares a state struct generic over its number type and implements [`Reals`] for it.
 ///
 /// # Example
@@ -106,6 +142,17 @@ macro_rules! reals {
             #[inline(always)]
             fn scatter(&self, put: &mut impl FnMut(L)) {
                 $(<$type as $crate::Reals<L>>::scatter(&self.$field, put);)+
+            }
+        }
+        impl<T: $crate::reals::Lanes> $crate::reals::Lanes for $name<T> {
+            type Narrow = $name<T::Narrow>;
+            #[inline(always)]
+            fn lane(&self, c: usize) -> $name<T::Narrow> {
+                $name { $($field: self.$field.lane(c)),+ }
+            }
+            #[inline(always)]
+            fn set_lane(&mut self, c: usize, narrow: $name<T::Narrow>) {
+                $(self.$field.set_lane(c, narrow.$field);)+
             }
         }
     };
