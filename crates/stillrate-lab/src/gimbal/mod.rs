@@ -2,12 +2,19 @@
 
 pub mod batch;
 pub mod bound;
+pub mod calibrate;
+pub mod literal;
 pub mod random;
+pub mod residuals;
+pub mod score;
 pub mod simulate;
 pub mod trajectory;
 
 pub use batch::{Batch, batch};
 pub use bound::{Bound, Sampling, bound, sensitivities};
+pub use calibrate::{History, Method, Outcome, Settings, calibrate};
 pub use random::Random;
+pub use residuals::{ResidualTests, Residuals};
+pub use score::{Score, score, settling_time};
 pub use simulate::{Disturbance, disturb, draw, outputs};
 pub use trajectory::{DEFAULT_SEGMENTS, Trajectory};

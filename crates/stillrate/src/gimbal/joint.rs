@@ -13,7 +13,7 @@ use super::estimator::{Estimator, Innovation};
 use super::factor::Factor;
 use super::geometry::Geometry;
 use super::record::{Measurement, Record};
-use super::rotation::{exponential, product};
+use super::rotation::{exponential, logarithm, product};
 use super::window::{Reference, against_model, commanded, sampled_attitude};
 use crate::error::{ConfigError, not_negative, positive};
 use crate::filter::Flags;
@@ -189,6 +189,15 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
         for ((&index, c), s) in estimator.selection.indices().iter().zip(correction).zip(scaled).skip(3) {
             state.coefficients[index] += c * s;
         }
+    }
+
+    /// The coefficients with the attitude filled in: rotation from the commanded to the true platform frame, rad.
+    #[must_use]
+    pub fn attitude_and_coefficients(&self, state: &JointState<T, N>) -> Coefficients {
+        let mut all = state.coefficients;
+        let phi = -logarithm(&product(&state.rotation, &state.commanded.transpose()));
+        all[..3].copy_from_slice(phi.as_slice());
+        all
     }
 
     /// Interval `k` of a record and the measurement at its end, with the chosen reference inside the window. With windows the result

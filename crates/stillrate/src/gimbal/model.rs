@@ -36,6 +36,8 @@ pub struct Model {
     pub earth_rate_rad_s: f64,
     /// Arrangement of the instruments.
     pub triads: Triads,
+    /// Take the change of the rate within a step into account to fourth order (see [`Geometry::step`]).
+    pub refined: bool,
 }
 
 /// Rate of the Earth, rad/s.
@@ -69,7 +71,13 @@ impl Model {
         if !(latitude_rad.magnitude() <= core::f64::consts::FRAC_PI_2) {
             return Err(ConfigError::new("latitude_rad", latitude_rad, "rad", "within -pi/2 and pi/2"));
         }
-        Ok(Self { gravity_m_s2, latitude_rad, earth_rate_rad_s: EARTH_RATE_RAD_S, triads: Triads::default() })
+        Ok(Self {
+            gravity_m_s2,
+            latitude_rad,
+            earth_rate_rad_s: EARTH_RATE_RAD_S,
+            triads: Triads::default(),
+            refined: true,
+        })
     }
 
     /// f^n: specific force at rest, north-up-east, m/s^2.
@@ -131,6 +139,9 @@ impl Geometry {
     }
 
     /// One step of `dt_s` (which may be negative) under a constant command.
+    ///
+    /// The rate changes with the specific force during the step. A refined model adds the next terms of Magnus' series,
+    /// w + T^2/24 w'' + T^2/12 w x w' with w' = K f', f' = f x w: without them drifts of 1 deg/h per g leave 1e-7 m/s^2 after 900 s.
     #[must_use]
     #[inline]
     pub fn step(&self, model: &Model, rotation: &Matrix3<f64>, command: &Vector3<f64>, dt_s: f64) -> Step {
@@ -140,7 +151,15 @@ impl Geometry {
         let half = exponential(&((first - apply(rotation, &self.earth_rate)) * (-0.5 * dt_s)));
         let force = apply(&half, &force);
         let rate = self.rate(&commanded, &force);
-        let transition = exponential(&(rate * -dt_s));
+        let turned_by = if model.refined {
+            let slope = cross(&force, &rate);
+            let bend = cross(&slope, &rate);
+            let (slope, bend) = (apply(&self.force_to_rate, &slope), apply(&self.force_to_rate, &bend));
+            rate + (bend * 0.5 + cross(&rate, &slope)) * (dt_s * dt_s / 12.0)
+        } else {
+            rate
+        };
+        let transition = exponential(&(turned_by * -dt_s));
         let turned = product(&product(&transition, rotation), &exponential(&(self.earth_rate * dt_s)));
         Step { rotation: turned, rate, force, transition }
     }
