@@ -98,6 +98,13 @@ impl Settings {
         }
     }
 
+    /// Prior deviations of the gyro drifts and their g-sensitive parts times a factor.
+    #[must_use]
+    pub fn with_gyro_scale(mut self, factor: f64) -> Self {
+        self.scale[3..15].iter_mut().for_each(|s| *s *= factor);
+        self
+    }
+
     /// The estimated coefficients in the order of a filter state.
     ///
     /// # Errors
@@ -305,8 +312,14 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
         }
     }
     outcome.history = collector.history;
+    let mut fitted = 0;
+    let deterministic = s.angle_random_walk_deg_sqrt_h == 0.0;
+    if matches!(method, Method::Relinearised | Method::Batch) && deterministic && !outcome.diverged {
+        residuals = Residuals::of_solution(&s.model, record, &outcome.coefficients, s.robust);
+        fitted = outcome.indices.len();
+    }
     if !residuals.is_empty() {
-        let tests = residuals.test(record.interval_s());
+        let tests = residuals.test(record.interval_s(), fitted);
         outcome.diverged |= tests.diverged;
         outcome.tests = Some(tests);
     }

@@ -5,8 +5,10 @@
 //! they can absorb shows in neither, which is why the optional states exist. Divergence: a running mean of the normalised squares above 3
 //! for more than 60 s.
 
+use nalgebra::Vector3;
 use stillrate::Real;
-use stillrate::gimbal::Innovation;
+use stillrate::gimbal::window::against_model;
+use stillrate::gimbal::{Coefficients, Geometry, Innovation, Linearisation, Model, Record};
 
 /// Normalised innovations in time order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,19 +51,36 @@ impl Residuals {
         ));
     }
 
+    /// Residuals of a whole record against a solution (attitude at the start): unlike innovations they do not depend on the prior.
+    #[must_use]
+    pub fn of_solution(model: &Model, record: &Record<'_>, solution: &Coefficients, robust: bool) -> Self {
+        let geometry = Geometry::new(model, solution);
+        let mut rotation = Linearisation::of(solution).rotation;
+        let mut residuals = Self::default();
+        for k in 0..record.epochs() {
+            rotation = geometry.step(model, &rotation, &Vector3::from(record.command(k)), record.interval_s()).rotation;
+            let measured = against_model(&geometry, model, record, k + 1, &rotation, robust);
+            residuals.push(&core::array::from_fn(|axis| Innovation {
+                value: measured.value[axis],
+                variance: if measured.variance[axis].is_finite() { measured.variance[axis] } else { 0.0 },
+            }));
+        }
+        residuals
+    }
+
     /// Whether there is nothing to test.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.normalised.is_empty()
     }
 
-    /// Runs the tests.
+    /// Runs the tests; `fitted` coefficients were taken out of the residuals (0 for innovations).
     #[must_use]
-    pub fn test(&self, interval_s: f64) -> ResidualTests {
+    pub fn test(&self, interval_s: f64, fitted: usize) -> ResidualTests {
         let all = (self.normalised.len() * 3) as f64;
         let squares: Vec<f64> = self.normalised.iter().flatten().filter(|x| !x.is_nan()).map(|x| x * x).collect();
         let n = squares.len() as f64;
-        let mean_square = squares.iter().sum::<f64>() / n;
+        let mean_square = squares.iter().sum::<f64>() / (n - fitted as f64).max(1.0);
         let mut correlation = [0.0; 3];
         let mut correlation_sigma = 0.0_f64;
         for axis in 0..3 {
