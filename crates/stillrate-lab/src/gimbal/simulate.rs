@@ -12,7 +12,7 @@ use stillrate::error::not_negative;
 use stillrate::gimbal::coefficients::LATENCY;
 use stillrate::gimbal::{Coefficients, Geometry, Linearisation, Model};
 
-use super::random::Random;
+use crate::random::{Generator, Random};
 
 /// What happens besides the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,7 +95,7 @@ pub fn outputs(
     seed: u64,
 ) -> Vec<[f64; 3]> {
     let geometry = Geometry::new(model, coefficients);
-    let mut random = Random::new(seed ^ 0x5eed_0a1c);
+    let mut random = Random::new(seed, 1);
     let substeps = substeps.max(1);
     let sample_s = interval_s / per_interval as f64;
     let h = sample_s / substeps as f64;
@@ -142,9 +142,9 @@ pub fn disturb(clean: &[[f64; 3]], disturbance: &Disturbance, seed: u64) -> Resu
     not_negative("spike_probability", d.spike_probability, "")?;
     not_negative("loss_probability", d.loss_probability, "")?;
     // Separate streams: switching one disturbance on leaves the numbers of the others as they were.
-    let mut noise = Random::new(seed);
-    let mut spikes = Random::new(seed ^ 0x5b1c_e500);
-    let mut loss = Random::new(seed ^ 0x1055_0000);
+    let mut noise = Random::new(seed, 2);
+    let mut spikes = Random::new(seed, 3);
+    let mut loss = Random::new(seed, 4);
     let disturbed = clean.iter().map(|sample| {
         sample.map(|value| {
             let mut z = value + d.sigma_m_s2 * noise.normal();
@@ -165,7 +165,7 @@ pub fn disturb(clean: &[[f64; 3]], disturbance: &Disturbance, seed: u64) -> Resu
 /// terms times `gyro_factor` (1: 0.03 to 0.1 deg/h). Optional coefficients are 0.
 #[must_use]
 pub fn draw(scale: &Coefficients, gyro_factor: f64, seed: u64) -> Coefficients {
-    let mut random = Random::new(seed ^ 0x0dd5_eed5);
+    let mut random = Random::new(seed, 5);
     let mut x = [0.0; stillrate::gimbal::COUNT];
     for i in 0..33 {
         let size = scale[i] * (0.3 + 0.7 * random.uniform());
