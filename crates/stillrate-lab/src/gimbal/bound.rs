@@ -72,6 +72,8 @@ pub struct Bound {
     pub indices: Vec<usize>,
     /// Bound of kappa, the mean of the three kgI.
     pub kappa_deviation: f64,
+    /// Bound of each kgI less their mean.
+    pub without_kappa: [f64; 3],
 }
 
 /// Accumulates rows into an upper-triangular R, a block at a time.
@@ -138,6 +140,7 @@ fn from_root(root: &DMatrix<f64>, indices: &[usize], scale: &Coefficients) -> Bo
     let mut deviation = [f64::NAN; COUNT];
     let inverse = root.clone().solve_upper_triangular(&DMatrix::identity(n, n));
     let mut kappa_deviation = f64::NAN;
+    let mut without_kappa = [f64::NAN; 3];
     if let Some(inverse) = inverse {
         for (at, &index) in indices.iter().enumerate() {
             deviation[index] = inverse.row(at).dot(&inverse.row(at)).root() * scale[index];
@@ -149,6 +152,12 @@ fn from_root(root: &DMatrix<f64>, indices: &[usize], scale: &Coefficients) -> Bo
             }
         }
         kappa_deviation = kappa.dot(&kappa).root();
+        for (at, &index) in indices.iter().enumerate() {
+            if (6..9).contains(&index) {
+                let rest = inverse.row(at).transpose() * scale[index] - &kappa;
+                without_kappa[index - 6] = rest.dot(&rest).root();
+            }
+        }
     }
     let svd = root.clone().svd(false, true);
     let mut order: Vec<usize> = (0..n).collect();
@@ -156,7 +165,7 @@ fn from_root(root: &DMatrix<f64>, indices: &[usize], scale: &Coefficients) -> Bo
     let singular_values = order.iter().map(|&i| svd.singular_values[i]).collect();
     let directions =
         svd.v_t.map(|v| order.iter().map(|&i| v.row(i).iter().copied().collect()).collect()).unwrap_or_default();
-    Bound { deviation, singular_values, directions, indices: indices.to_vec(), kappa_deviation }
+    Bound { deviation, singular_values, directions, indices: indices.to_vec(), kappa_deviation, without_kappa }
 }
 
 /// Variance factor of the measurement at an epoch for a full record; nothing where a window is skipped.
