@@ -6,11 +6,14 @@ use pyo3::prelude::*;
 
 mod convert;
 mod filter;
+mod gimbal;
+mod gimbal_parts;
 
 /// The compiled half of the Python package.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
+    gimbal::register(module)?;
     Ok(())
 }

@@ -3,6 +3,8 @@
 pub mod batch;
 pub mod bound;
 pub mod calibrate;
+pub mod gauge;
+pub mod hidden;
 pub mod literal;
 pub mod plan;
 pub mod prepare;
@@ -15,6 +17,8 @@ pub mod trajectory;
 pub use batch::{Batch, batch};
 pub use bound::{Bound, Sampling, bound, sensitivities};
 pub use calibrate::{History, Method, Outcome, Settings, calibrate};
+pub use gauge::to_gauge;
+pub use hidden::hidden;
 pub use plan::{Figures, Search, figures, plan};
 pub use prepare::{LogError, Prepared, prepare};
 pub use residuals::{ResidualTests, Residuals};
