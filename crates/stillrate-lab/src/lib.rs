@@ -1,8 +1,12 @@
 //! The desk-side companion of [`stillrate`]: simulate, tune, analyse, compare. Everything here may allocate and
 //! use threads; everything that runs per sample lives in the core.
 
+pub mod allan;
 pub mod bounds;
+pub mod error;
 pub mod gimbal;
+pub mod inspect;
+pub mod logs;
 pub mod metrics;
 pub mod random;
 pub mod runner;
@@ -10,4 +14,5 @@ pub mod saved;
 pub mod settings_map;
 pub mod simulate;
 pub mod statistics;
+pub mod tune;
 pub mod wide;

@@ -8,6 +8,8 @@ mod convert;
 mod filter;
 mod gimbal;
 mod gimbal_parts;
+mod inspect;
+mod logs;
 
 /// The compiled half of the Python package.
 #[pymodule]
@@ -15,5 +17,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
     gimbal::register(module)?;
+    inspect::register(module)?;
+    logs::register(module)?;
     Ok(())
 }

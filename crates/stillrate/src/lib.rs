@@ -17,12 +17,17 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+pub mod adaptive;
+pub mod attitude;
 pub mod block;
 pub mod elementary;
 pub mod error;
 pub mod filter;
 pub mod filters;
+pub mod gaussian;
 pub mod gimbal;
+mod imm;
+mod kalman;
 pub mod models;
 pub mod noise;
 pub mod real;
