@@ -7,6 +7,8 @@ use pyo3::prelude::*;
 mod analysis;
 mod convert;
 mod filter;
+mod gimbal;
+mod gimbal_parts;
 mod inspect;
 mod logs;
 mod rate_table;
@@ -17,6 +19,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
     rate_table::register(module)?;
+    gimbal::register(module)?;
     inspect::register(module)?;
     logs::register(module)?;
     analysis::register(module)?;
