@@ -1,4 +1,8 @@
 //! The desk-side companion of [`stillrate`]: simulate, tune, analyse, compare. Everything here may allocate and
 //! use threads; everything that runs per sample lives in the core.
 
+pub mod runner;
+pub mod saved;
 pub mod servo;
+pub mod settings_map;
+pub mod wide;

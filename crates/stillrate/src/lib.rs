@@ -22,10 +22,14 @@ pub mod elementary;
 pub mod error;
 pub mod filter;
 pub mod filters;
+pub mod noise;
 pub mod real;
 pub mod reals;
+pub mod settings;
 
 pub use error::ConfigError;
 pub use filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
+pub use noise::GyroNoise;
 pub use real::Real;
 pub use reals::Reals;
+pub use settings::Settings;

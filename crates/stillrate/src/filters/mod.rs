@@ -1,4 +1,4 @@
 //! One published filter a file, reading like its equations.
 mod pt1;
 
-pub use pt1::{Pt1, Pt1State};
+pub use pt1::{Pt1, Pt1Settings, Pt1State};

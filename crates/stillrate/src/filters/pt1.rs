@@ -5,8 +5,37 @@
 
 use crate::error::{ConfigError, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::noise::GyroNoise;
 use crate::real::Real;
 use crate::reals;
+use crate::settings::{Settings, Visit};
+
+/// Settings of [`Pt1`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pt1Settings {
+    /// Nominal sample rate, Hz.
+    pub sample_rate_hz: f64,
+    /// Cut-off frequency, Hz; default 20 Hz, at most a quarter of the sample rate.
+    pub cutoff_hz: f64,
+}
+
+impl Settings for Pt1Settings {
+    const METHOD: &'static str = "pt1";
+    type Filter<T: Real> = Pt1<T>;
+
+    fn defaults(sample_rate_hz: f64, _noise: GyroNoise) -> Self {
+        Self { sample_rate_hz, cutoff_hz: 20.0_f64.least(0.25 * sample_rate_hz) }
+    }
+
+    fn visit<V: Visit>(&mut self, visitor: &mut V) {
+        visitor.number("sample_rate_hz", &mut self.sample_rate_hz);
+        visitor.number("cutoff_hz", &mut self.cutoff_hz);
+    }
+
+    fn build<T: Real>(&self) -> Result<Pt1<T>, ConfigError> {
+        Pt1::new(self.sample_rate_hz, self.cutoff_hz)
+    }
+}
 
 /// First-order low-pass with cut-off `cutoff_hz`; the first sample starts it.
 ///

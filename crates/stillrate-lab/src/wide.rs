@@ -1,0 +1,120 @@
+//! Tiles and vector instructions: how a group of channels runs through [`Filter::tile`] at the widest width of the
+//! machine. The choice is made once a tile and never changes a bit: every width executes the same operations.
+
+use stillrate::block;
+use stillrate::{Filter, Real, Reals};
+
+use crate::runner::{Precision, Sink, Table, Timing};
+
+/// Rows of a tile: large enough to hide the hand-over, small enough for the first-level cache.
+const ROWS: usize = 128;
+
+/// A number type with its vector width.
+pub trait Wide: Real {
+    /// Channels that run side by side.
+    const WIDTH: usize;
+    /// The type as a [`Precision`].
+    const PRECISION: Precision;
+    /// The sink, if it is of this type.
+    fn sink(sink: Sink<'_>) -> Option<&mut [Self]>;
+    /// [`run_group`] at [`Wide::WIDTH`].
+    fn run_widest<U: Real, F: Filter<Self>>(
+        filter: &F,
+        states: &mut [F::State],
+        first: usize,
+        table: Table<'_, U>,
+        timing: Timing<'_>,
+        output: &mut [Self],
+    );
+}
+
+macro_rules! wide {
+    ($type:ident, $width:literal, $variant:ident) => {
+        impl Wide for $type {
+            const WIDTH: usize = $width;
+            const PRECISION: Precision = Precision::$variant;
+            fn sink(sink: Sink<'_>) -> Option<&mut [Self]> {
+                match sink {
+                    Sink::$variant(slice) => Some(slice),
+                    _ => None,
+                }
+            }
+            fn run_widest<U: Real, F: Filter<Self>>(
+                filter: &F,
+                states: &mut [F::State],
+                first: usize,
+                table: Table<'_, U>,
+                timing: Timing<'_>,
+                output: &mut [Self],
+            ) {
+                run_group::<Self, U, F, $width>(filter, states, first, table, timing, output);
+            }
+        }
+    };
+}
+
+wide!(f32, 16, Single);
+wide!(f64, 8, Double);
+
+/// Runs `states.len() <= W` channels, starting with channel `first`, over a table into sample-major `output`.
+/// Idle lanes see missing samples.
+pub fn run_group<T: Real, U: Real, F: Filter<T>, const W: usize>(
+    filter: &F,
+    states: &mut [F::State],
+    first: usize,
+    table: Table<'_, U>,
+    timing: Timing<'_>,
+    output: &mut [T],
+) {
+    let used = states.len().min(W);
+    let mut lanes = vec![[T::ZERO; W]; <F::State as Reals<T>>::COUNT];
+    for c in 0..W {
+        let state = if c < used { states[c] } else { filter.start() };
+        block::store(&state, &mut lanes, c);
+    }
+    let mut tile = [[T::of(f64::NAN); W]; ROWS];
+    let mut start = 0;
+    while start < table.rows {
+        let rows = ROWS.min(table.rows - start);
+        for (k, row) in tile[..rows].iter_mut().enumerate() {
+            let base = (start + k) * table.row_stride + first * table.channel_stride;
+            for (c, cell) in row[..used].iter_mut().enumerate() {
+                *cell = T::of(table.items[base + c * table.channel_stride].widen());
+            }
+            row[used..].fill(T::of(f64::NAN));
+        }
+        match timing {
+            Timing::Regular => tile_widest(filter, &mut lanes, &mut tile[..rows], filter.period()),
+            Timing::Steps(steps) => {
+                for (k, row) in tile[..rows].iter_mut().enumerate() {
+                    tile_widest(filter, &mut lanes, core::slice::from_mut(row), T::of(steps[start + k]));
+                }
+            }
+        }
+        for (k, row) in tile[..rows].iter().enumerate() {
+            let base = (start + k) * table.channels + first;
+            output[base..base + used].copy_from_slice(&row[..used]);
+        }
+        start += rows;
+    }
+    for (c, state) in states.iter_mut().enumerate().take(used) {
+        *state = block::load(&lanes, c);
+    }
+}
+
+/// [`Filter::tile`] compiled for the instructions that this machine has.
+fn tile_widest<T: Real, F: Filter<T>, const W: usize>(filter: &F, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+    #[cfg(target_arch = "x86_64")]
+    if W > 1 && std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the feature was just detected.
+        unsafe { tile_avx2(filter, lanes, tile, dt) };
+        return;
+    }
+    filter.tile(lanes, tile, dt);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn tile_avx2<T: Real, F: Filter<T>, const W: usize>(filter: &F, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+    filter.tile(lanes, tile, dt);
+}

@@ -1,0 +1,302 @@
+//! `stillrate.Filter`: one class for every method, and the functions that check settings.
+
+use std::sync::{Mutex, MutexGuard};
+
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+use stillrate_lab::runner::{self, Precision, Runner, Sink, Source, Timing, Trace};
+
+use crate::convert::{Samples, config_error, samples_from, settings_from, settings_to, table_of};
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Filter>()?;
+    module.add_function(wrap_pyfunction!(resolve, module)?)?;
+    module.add_function(wrap_pyfunction!(method_names, module)?)
+}
+
+/// Names of all methods.
+#[pyfunction]
+fn method_names() -> Vec<&'static str> {
+    runner::method_names()
+}
+
+/// Checks settings and returns them complete.
+#[pyfunction]
+fn resolve<'py>(py: Python<'py>, method: &str, settings: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
+    let map = settings_from(settings)?;
+    let runner = runner::build(method, &map, 1, Precision::Double).map_err(|error| config_error(py, &error))?;
+    settings_to(py, &runner.settings())
+}
+
+/// A filter with its channels.
+///
+/// A filter of either precision takes `float32` and `float64` samples; its output has its own precision.
+#[pyclass(frozen, module = "stillrate")]
+struct Filter {
+    runner: Mutex<Box<dyn Runner>>,
+    config: Py<PyAny>,
+    #[pyo3(get)]
+    channels: usize,
+    #[pyo3(get)]
+    dtype: &'static str,
+}
+
+impl Filter {
+    fn lock(&self) -> MutexGuard<'_, Box<dyn Runner>> {
+        // A step cannot panic, so a poisoned lock would still hold a valid state.
+        self.runner.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    fn wrap(py: Python<'_>, runner: Box<dyn Runner>, config: Option<Py<PyAny>>) -> PyResult<Self> {
+        let config = match config {
+            Some(config) => config,
+            None => {
+                let settings = settings_to(py, &runner.settings())?;
+                let rebuild = py.import("stillrate.config")?.getattr("config_from_settings")?;
+                rebuild.call1((runner.method(), settings))?.unbind()
+            }
+        };
+        let dtype = match runner.precision() {
+            Precision::Single => "float32",
+            Precision::Double => "float64",
+        };
+        Ok(Self { channels: runner.channels(), dtype, runner: Mutex::new(runner), config })
+    }
+}
+
+#[pymethods]
+impl Filter {
+    #[new]
+    #[pyo3(signature = (config, channels=1, dtype=None))]
+    fn new(py: Python<'_>, config: Py<PyAny>, channels: usize, dtype: Option<Bound<'_, PyAny>>) -> PyResult<Self> {
+        let bound = config.bind(py);
+        let Ok(settings) = bound.call_method0("settings") else {
+            return Err(PyTypeError::new_err("config must be a stillrate configuration, such as MsImmIkf(...)"));
+        };
+        let method: String = bound.getattr("method")?.extract()?;
+        let map = settings_from(settings.cast()?)?;
+        let precision = match dtype {
+            None => Precision::Double,
+            Some(dtype) => match py
+                .import("numpy")?
+                .getattr("dtype")?
+                .call1((dtype,))?
+                .getattr("name")?
+                .extract::<String>()?
+                .as_str()
+            {
+                "float32" => Precision::Single,
+                "float64" => Precision::Double,
+                other => return Err(PyValueError::new_err(format!("dtype = {other} (must be float32 or float64)"))),
+            },
+        };
+        let runner = runner::build(&method, &map, channels, precision).map_err(|error| config_error(py, &error))?;
+        Self::wrap(py, runner, Some(config))
+    }
+
+    /// The configuration this filter was built from.
+    #[getter]
+    fn config(&self, py: Python<'_>) -> Py<PyAny> {
+        self.config.clone_ref(py)
+    }
+
+    /// Number of models that run side by side (1 for a plain filter).
+    #[getter]
+    fn models(&self) -> usize {
+        self.lock().models()
+    }
+
+    #[pyo3(signature = (value, *others, dt_s=None))]
+    fn update<'py>(
+        &self,
+        py: Python<'py>,
+        value: &Bound<'py, PyAny>,
+        others: &Bound<'py, PyTuple>,
+        dt_s: Option<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if self.channels == 1 && others.is_empty() {
+            let mut sample = [value.extract::<f64>()?];
+            self.lock().update(&mut sample, dt_s);
+            return Ok(sample[0].into_pyobject(py)?.into_any());
+        }
+        let mut row: Vec<f64>;
+        if others.is_empty() && self.channels > 1 {
+            row = value.extract().map_err(|_| self.count_error(1))?;
+        } else {
+            row = Vec::with_capacity(1 + others.len());
+            row.push(value.extract()?);
+            for other in others {
+                row.push(other.extract()?);
+            }
+        }
+        if row.len() != self.channels {
+            return Err(self.count_error(row.len()));
+        }
+        self.lock().update(&mut row, dt_s);
+        Ok(PyTuple::new(py, row)?.into_any())
+    }
+
+    #[pyo3(signature = (samples, dt_s=None, trace=false, out=None))]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        samples: &Bound<'py, PyAny>,
+        dt_s: Option<&Bound<'py, PyAny>>,
+        trace: bool,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let samples = samples_from(samples)?;
+        let shape = match &samples {
+            Samples::Single(array) => array.shape().to_vec(),
+            Samples::Double(array) => array.shape().to_vec(),
+        };
+        let (rows, channels) = (shape[0], shape.get(1).copied().unwrap_or(1));
+        if channels != self.channels {
+            let message = format!(
+                "samples have {channels} channels, the filter has {} (shape must be (n,) or (n, channels))",
+                self.channels
+            );
+            return Err(PyValueError::new_err(message));
+        }
+        let steps: Option<Vec<f64>> = dt_s.map(|dt| steps_from(dt, rows)).transpose()?;
+        let timing = steps.as_deref().map_or(Timing::Regular, Timing::Steps);
+        let (single, double);
+        let source = match &samples {
+            Samples::Single(array) => {
+                single = array.as_array();
+                Source::Single(
+                    table_of(&single)
+                        .ok_or_else(|| PyValueError::new_err("samples must have one or two dimensions"))?,
+                )
+            }
+            Samples::Double(array) => {
+                double = array.as_array();
+                Source::Double(
+                    table_of(&double)
+                        .ok_or_else(|| PyValueError::new_err("samples must have one or two dimensions"))?,
+                )
+            }
+        };
+        if trace {
+            let found = py.detach(|| self.lock().trace(source, timing));
+            return trace_to_python(py, &found, &shape, self.dtype);
+        }
+        macro_rules! filtered {
+            ($type:ident, $variant:ident) => {{
+                let output = match out {
+                    Some(given) => given
+                        .cast::<PyArrayDyn<$type>>()
+                        .map_err(|_| PyTypeError::new_err(concat!("out must be an array of ", stringify!($type))))?
+                        .clone(),
+                    None => PyArrayDyn::<$type>::zeros(py, shape.clone(), false),
+                };
+                if output.shape() != shape {
+                    return Err(PyValueError::new_err("out must have the shape of the samples"));
+                }
+                {
+                    let mut writable = output
+                        .try_readwrite()
+                        .map_err(|_| PyValueError::new_err("out is not writable, or is the input itself"))?;
+                    let slice = writable.as_slice_mut().map_err(|_| PyValueError::new_err("out must be contiguous"))?;
+                    py.detach(|| self.lock().run(source, timing, Sink::$variant(slice)));
+                }
+                Ok(output.into_any())
+            }};
+        }
+        if self.dtype == "float32" { filtered!(f32, Single) } else { filtered!(f64, Double) }
+    }
+
+    /// The last estimate of each channel: an `Estimate`, or a tuple of them.
+    #[getter]
+    fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let class = py.import("stillrate.results")?.getattr("Estimate")?;
+        let one = |channel| -> PyResult<Bound<'py, PyAny>> {
+            let last = self.lock().estimate(channel);
+            let probability = PyTuple::new(py, last.probability)?;
+            class.call1((last.rate, last.acceleration, last.variance, probability, last.frequency_hz, last.flags))
+        };
+        if self.channels == 1 {
+            return one(0);
+        }
+        Ok(PyTuple::new(py, (0..self.channels).map(one).collect::<PyResult<Vec<_>>>()?)?.into_any())
+    }
+
+    /// Back to the state before the first sample.
+    fn reset(&self) {
+        self.lock().reset();
+    }
+
+    /// Configuration and state as versioned, checksummed bytes.
+    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.lock().save())
+    }
+
+    /// A filter that continues where the saved one stood.
+    #[staticmethod]
+    fn restore(py: Python<'_>, blob: &[u8]) -> PyResult<Self> {
+        let runner = runner::restore(blob).map_err(|error| config_error(py, &error))?;
+        Self::wrap(py, runner, None)
+    }
+
+    /// A filter of the same configuration and state that goes its own way.
+    fn copy(&self, py: Python<'_>) -> PyResult<Self> {
+        let twin = self.lock().duplicate();
+        Self::wrap(py, twin, Some(self.config.clone_ref(py)))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        Ok((py.get_type::<Self>().getattr("restore")?, (self.save(py),)))
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let config = self.config.bind(py).repr()?;
+        Ok(format!("Filter({}, channels={}, dtype='{}')", config.to_str()?, self.channels, self.dtype))
+    }
+}
+
+impl Filter {
+    fn count_error(&self, given: usize) -> PyErr {
+        PyValueError::new_err(format!("{given} samples for {} channels (one float a channel)", self.channels))
+    }
+}
+
+/// Time steps of all samples: one number for all, or one a sample.
+fn steps_from(dt: &Bound<'_, PyAny>, rows: usize) -> PyResult<Vec<f64>> {
+    if let Ok(one) = dt.extract::<f64>() {
+        return Ok(vec![one; rows]);
+    }
+    let steps: Vec<f64> = match dt.extract::<PyReadonlyArray1<'_, f64>>() {
+        Ok(array) => array.as_array().iter().copied().collect(),
+        Err(_) => dt.extract().map_err(|_| PyTypeError::new_err("dt_s must be a number or one number a sample"))?,
+    };
+    if steps.len() == rows {
+        Ok(steps)
+    } else {
+        Err(PyValueError::new_err(format!("dt_s has {} entries for {rows} samples", steps.len())))
+    }
+}
+
+fn trace_to_python<'py>(py: Python<'py>, trace: &Trace, shape: &[usize], dtype: &str) -> PyResult<Bound<'py, PyAny>> {
+    let fields = PyDict::new(py);
+    let plain = |values: &[f64]| PyArray1::from_slice(py, values).reshape(shape.to_vec());
+    fields.set_item("rate", plain(&trace.rate)?)?;
+    fields.set_item("acceleration", plain(&trace.acceleration)?)?;
+    fields.set_item("variance", plain(&trace.variance)?)?;
+    fields.set_item("frequency_hz", plain(&trace.frequency_hz)?)?;
+    fields.set_item("flags", PyArray1::from_slice(py, &trace.flags).reshape(shape.to_vec())?)?;
+    let mut by_model = vec![shape[0], trace.models];
+    by_model.extend_from_slice(&shape[1..]);
+    let model = |pick: fn(&stillrate::ModelTrace<f64>) -> f64| {
+        PyArray1::from_iter(py, trace.per_model.iter().map(pick)).reshape(by_model.clone())
+    };
+    fields.set_item("probability", PyArray1::from_slice(py, &trace.probability).reshape(by_model.clone())?)?;
+    fields.set_item("innovation", model(|m| m.innovation)?)?;
+    fields.set_item("innovation_variance", model(|m| m.innovation_variance)?)?;
+    fields.set_item("fading", model(|m| m.fading)?)?;
+    fields.set_item("alpha", model(|m| m.alpha)?)?;
+    fields.set_item("model_rate", model(|m| m.rate)?)?;
+    fields.set_item("dtype", dtype)?;
+    py.import("stillrate.results")?.getattr("Trace")?.getattr("from_native")?.call((), Some(&fields))
+}

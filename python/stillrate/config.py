@@ -1,0 +1,189 @@
+"""Configurations: one frozen class a method, checked when built, TOML in and out.
+
+The fields left out are filled in by the method itself (the defaults live in one place, beside the numerics), so a
+configuration always shows every setting that is in force.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from stillrate import _native
+from stillrate.errors import ConfigError
+from stillrate.noise import GyroNoise
+
+_NOISE_FIELDS = ("noise.density_dps_sqrt_hz", "noise.rate_random_walk_dps_sqrt_s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """What all configurations share.
+
+    Parameters
+    ----------
+    sample_rate_hz : float
+        Nominal sample rate in Hz.
+    noise : GyroNoise, optional
+        The gyro's noise. Methods that do not use it ignore it.
+
+    Raises
+    ------
+    ConfigError
+        If a setting is out of range; the text names field, value, unit and range.
+    """
+
+    method: ClassVar[str] = ""
+
+    sample_rate_hz: float
+    noise: GyroNoise | None = None
+
+    def __post_init__(self) -> None:
+        if not self.method:
+            raise TypeError("Config is what the methods share: build one of them, such as MsImmIkf(...)")
+        resolved = _native.resolve(self.method, self.settings())
+        if self.noise is None and all(name in resolved for name in _NOISE_FIELDS):
+            density, walk = (float(resolved[name]) for name in _NOISE_FIELDS)
+            object.__setattr__(self, "noise", GyroNoise(density_dps_sqrt_hz=density, rate_random_walk_dps_sqrt_s=walk))
+        for name, value in resolved.items():
+            if name not in _NOISE_FIELDS:
+                object.__setattr__(self, name, tuple(value) if isinstance(value, list) else value)
+
+    def settings(self) -> dict[str, float | str | list[float]]:
+        """Return every setting by name, noise figures with the prefix ``noise.``; settings left open are left out."""
+        found: dict[str, float | str | list[float]] = {}
+        for item in dataclasses.fields(self):
+            value = getattr(self, item.name)
+            if item.name == "noise":
+                if value is not None:
+                    found[_NOISE_FIELDS[0]] = float(value.density_dps_sqrt_hz)
+                    found[_NOISE_FIELDS[1]] = float(value.rate_random_walk_dps_sqrt_s)
+            elif isinstance(value, str):
+                found[item.name] = value
+            elif isinstance(value, (tuple, list)):
+                found[item.name] = [float(number) for number in value]
+            elif value is not None:
+                found[item.name] = float(value)
+        return found
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some settings changed (the rest stays as it is in force)."""
+        return dataclasses.replace(self, **changes)
+
+    def to_toml(self, path: str | Path | None = None) -> str:
+        """Write the configuration as TOML; with `path`, into a new file as well.
+
+        Raises
+        ------
+        FileExistsError
+            If the file exists.
+        """
+        lines = [f'method = "{self.method}"']
+        noise: list[str] = []
+        for name, value in self.settings().items():
+            if name.startswith("noise."):
+                noise.append(f"{name.removeprefix('noise.')} = {_toml(value)}")
+            else:
+                lines.append(f"{name} = {_toml(value)}")
+        text = "\n".join([*lines, *(["", "[noise]", *noise] if noise else [])]) + "\n"
+        if path is not None:
+            with Path(path).open("x", encoding="utf-8") as file:
+                file.write(text)
+        return text
+
+
+def _toml(value: float | str | list[float]) -> str:
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list):
+        return "[" + ", ".join(_toml(number) for number in value) + "]"
+    if math.isinf(value):
+        return "inf" if value > 0 else "-inf"
+    return repr(float(value))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pt1(Config):
+    """First-order low-pass, the usual flight-controller gyro filter.
+
+    Parameters
+    ----------
+    cutoff_hz : float, optional
+        Cut-off frequency in Hz; default 20 Hz, at most a quarter of the sample rate.
+    """
+
+    method: ClassVar[str] = "pt1"
+    cutoff_hz: float | None = field(default=None)
+
+
+def methods() -> dict[str, type[Config]]:
+    """Return the configuration class of every method by name.
+
+    Examples
+    --------
+    >>> methods()["pt1"].__name__
+    'Pt1'
+    """
+    return {cls.method: cls for cls in Config.__subclasses__()}
+
+
+def config_from_settings(method: str, settings: dict[str, Any]) -> Config:
+    """Build a configuration from settings by name, as `Config.settings` gives them.
+
+    Raises
+    ------
+    ConfigError
+        If the method or a setting is unknown, or a value is out of range.
+    """
+    known = methods()
+    if method not in known:
+        raise ConfigError(f"no method {method!r} (one of {', '.join(sorted(known))})")
+    cls = known[method]
+    names = {item.name for item in dataclasses.fields(cls)}
+    values = dict(settings)
+    noise = None
+    if _NOISE_FIELDS[0] in values:
+        noise = GyroNoise(
+            density_dps_sqrt_hz=values.pop(_NOISE_FIELDS[0]),
+            rate_random_walk_dps_sqrt_s=values.pop(_NOISE_FIELDS[1], None),
+        )
+    if "sample_rate_hz" not in values:
+        raise ConfigError("sample_rate_hz is missing (a number in Hz)")
+    if unknown := sorted(set(values) - names):
+        raise ConfigError(_unknown(method, unknown[0], names))
+    return cls(noise=noise, **values)
+
+
+def _unknown(method: str, name: str, names: set[str]) -> str:
+    import difflib
+
+    near = difflib.get_close_matches(name, names, n=1)
+    return f"{method} has no setting {name!r}" + (f": did you mean {near[0]!r}?" if near else "")
+
+
+def load_config(path: str | Path) -> Config:
+    """Read a configuration from a TOML file, as `Config.to_toml` writes it.
+
+    Raises
+    ------
+    ConfigError
+        If the file is no TOML, larger than a megabyte, or a setting cannot be used.
+    OSError
+        If the file cannot be read.
+    """
+    path = Path(path)
+    if path.stat().st_size > 1_000_000:
+        raise ConfigError(f"{path}: larger than a megabyte, no configuration")
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: not a TOML file: {error}") from error
+    method = table.pop("method", "ms-imm-ikf")
+    noise = table.pop("noise", {})
+    if not isinstance(noise, dict) or not isinstance(method, str):
+        raise ConfigError(f"{path}: method must be a word and noise a table")
+    return config_from_settings(method, {**table, **{f"noise.{name}": value for name, value in noise.items()}})

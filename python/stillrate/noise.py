@@ -1,0 +1,115 @@
+"""What a gyro does at rest: white noise density and rate random walk, in whatever unit the datasheet has."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class GyroNoise:
+    """White noise density and rate random walk of a gyro.
+
+    Parameters
+    ----------
+    density_dps_sqrt_hz : float
+        Two-sided density N in deg/s/sqrt(Hz), the same number as the angle random walk in deg/sqrt(s): white samples
+        at rate f have the standard deviation ``N * sqrt(f)``.
+    rate_random_walk_dps_sqrt_s : float, optional
+        Rate random walk K in deg/s/sqrt(s); default a thousandth of the density.
+    bias_sigma_dps, bias_time_s : float, optional
+        A bias instability as a Gauss-Markov process; it is folded into the walk: K^2 grows by 2 sigma^2 / tau.
+
+    Examples
+    --------
+    >>> GyroNoise.from_datasheet(angle_random_walk_deg_sqrt_h=0.9).density_dps_sqrt_hz
+    0.015
+    """
+
+    density_dps_sqrt_hz: float
+    rate_random_walk_dps_sqrt_s: float | None = None
+    bias_sigma_dps: float | None = None
+    bias_time_s: float | None = None
+
+    def __post_init__(self) -> None:
+        from stillrate.errors import ConfigError
+
+        def check(name: str, value: float, allow_zero: bool, unit: str) -> None:
+            if not (math.isfinite(value) and (value > 0 or (allow_zero and value == 0))):
+                allowed = ">= 0" if allow_zero else "> 0"
+                raise ConfigError(f"{name} = {value:g} (must be finite and {allowed} {unit})")
+
+        check("density_dps_sqrt_hz", self.density_dps_sqrt_hz, False, "deg/s/sqrt(Hz)")
+        walk = self.rate_random_walk_dps_sqrt_s
+        if walk is None:
+            walk = 1e-3 * self.density_dps_sqrt_hz
+        check("rate_random_walk_dps_sqrt_s", walk, True, "deg/s/sqrt(s)")
+        if (self.bias_sigma_dps is None) != (self.bias_time_s is None):
+            raise ConfigError("bias_sigma_dps and bias_time_s must be given together")
+        if self.bias_sigma_dps is not None and self.bias_time_s is not None:
+            check("bias_sigma_dps", self.bias_sigma_dps, True, "deg/s")
+            check("bias_time_s", self.bias_time_s, False, "s")
+            walk = math.sqrt(walk**2 + 2.0 * self.bias_sigma_dps**2 / self.bias_time_s)
+            object.__setattr__(self, "bias_sigma_dps", None)
+            object.__setattr__(self, "bias_time_s", None)
+        object.__setattr__(self, "rate_random_walk_dps_sqrt_s", walk)
+
+    @classmethod
+    def from_datasheet(
+        cls,
+        *,
+        angle_random_walk_deg_sqrt_h: float | None = None,
+        density_one_sided_dps_sqrt_hz: float | None = None,
+        density_two_sided_dps_sqrt_hz: float | None = None,
+        standard_deviation_dps: float | None = None,
+        lsb_dps: float | None = None,
+        sample_rate_hz: float | None = None,
+        rate_random_walk_dps_sqrt_s: float | None = None,
+        bias_sigma_dps: float | None = None,
+        bias_time_s: float | None = None,
+    ) -> GyroNoise:
+        """Build from exactly one of the datasheet's noise figures.
+
+        Parameters
+        ----------
+        angle_random_walk_deg_sqrt_h : float
+            Angle random walk in deg/sqrt(h).
+        density_one_sided_dps_sqrt_hz, density_two_sided_dps_sqrt_hz : float
+            Noise density in deg/s/sqrt(Hz). MEMS datasheets nearly always mean one-sided.
+        standard_deviation_dps, lsb_dps : float
+            Standard deviation of samples at rest, or the resolution of a sensor with no other noise; both need
+            `sample_rate_hz`.
+        rate_random_walk_dps_sqrt_s, bias_sigma_dps, bias_time_s : float, optional
+            As in the class.
+
+        Raises
+        ------
+        ConfigError
+            If none or several of the noise figures are given, or one is out of range.
+        """
+        from stillrate.errors import ConfigError
+
+        def rate() -> float:
+            if sample_rate_hz is None or not sample_rate_hz > 0:
+                raise ConfigError(f"sample_rate_hz = {sample_rate_hz} (must be finite and > 0 Hz)")
+            return sample_rate_hz
+
+        found: list[float] = []
+        if angle_random_walk_deg_sqrt_h is not None:
+            found.append(angle_random_walk_deg_sqrt_h / 60.0)
+        if density_one_sided_dps_sqrt_hz is not None:
+            found.append(density_one_sided_dps_sqrt_hz / math.sqrt(2.0))
+        if density_two_sided_dps_sqrt_hz is not None:
+            found.append(density_two_sided_dps_sqrt_hz)
+        if standard_deviation_dps is not None:
+            found.append(standard_deviation_dps / math.sqrt(rate()))
+        if lsb_dps is not None:
+            found.append(lsb_dps / math.sqrt(12.0 * rate()))
+        if len(found) != 1:
+            raise ConfigError(f"{len(found)} noise figures given (must be exactly one)")
+        return cls(
+            density_dps_sqrt_hz=found[0],
+            rate_random_walk_dps_sqrt_s=rate_random_walk_dps_sqrt_s,
+            bias_sigma_dps=bias_sigma_dps,
+            bias_time_s=bias_time_s,
+        )

@@ -1,0 +1,95 @@
+"""What a filter hands back besides the filtered samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import IntFlag
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+
+class Flags(IntFlag):
+    """What happened to a sample."""
+
+    NONE = 0
+    MISSING = 1
+    NO_DATA_YET = 2
+    BAD_TIME = 4
+    RESTARTED = 8
+    SATURATED = 16
+    OUTLIER = 32
+    DIVERGED = 64
+    OUT_OF_RANGE = 128
+    CHANGE = 256
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """The last estimate of one channel.
+
+    Attributes
+    ----------
+    rate : float
+        Filtered rate, in the unit of the samples.
+    acceleration : float
+        Its time derivative, per second; 0 for methods that do not estimate it.
+    variance : float
+        Variance of the rate; 0 for methods that have no opinion.
+    probability : tuple of float
+        Posterior probability of each model.
+    frequency_hz : float
+        Manoeuvre frequency; NaN for methods without one.
+    flags : Flags
+        What happened to the sample.
+    """
+
+    rate: float
+    acceleration: float
+    variance: float
+    probability: tuple[float, ...]
+    frequency_hz: float
+    flags: Flags
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "flags", Flags(self.flags))
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A run seen from inside: arrays of shape (n,) or (n, channels); by model (n, models) or (n, models, channels).
+
+    Attributes
+    ----------
+    rate, acceleration, variance, frequency_hz : ndarray
+        As in `Estimate`, for every sample.
+    flags : ndarray of uint32
+        Bits of `Flags`.
+    probability : ndarray
+        Posterior probability by model.
+    innovation, innovation_variance, fading, alpha, model_rate : ndarray
+        What each model did: measurement minus prediction (NaN when missing), its variance, the fading factor applied
+        (1: none), the reciprocal of the manoeuvre time constant in 1/s, and the model's own rate.
+    """
+
+    rate: npt.NDArray[Any]
+    acceleration: npt.NDArray[Any]
+    variance: npt.NDArray[Any]
+    probability: npt.NDArray[Any]
+    frequency_hz: npt.NDArray[Any]
+    flags: npt.NDArray[np.uint32]
+    innovation: npt.NDArray[Any]
+    innovation_variance: npt.NDArray[Any]
+    fading: npt.NDArray[Any]
+    alpha: npt.NDArray[Any]
+    model_rate: npt.NDArray[Any]
+
+    @classmethod
+    def from_native(cls, dtype: str, **arrays: npt.NDArray[Any]) -> Trace:
+        """Build from the compiled half, in the precision of the filter (an exact conversion)."""
+        return cls(**{name: a if name == "flags" else a.astype(dtype, copy=False) for name, a in arrays.items()})
+
+    def __repr__(self) -> str:
+        names = ", ".join(f.name for f in fields(self))
+        return f"Trace(shape={self.rate.shape}, models={self.probability.shape[1]}: {names})"
