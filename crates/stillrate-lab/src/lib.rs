@@ -1,8 +1,13 @@
 //! The desk-side companion of [`stillrate`]: simulate, tune, analyse, compare. Everything here may allocate and
 //! use threads; everything that runs per sample lives in the core.
 
+pub mod bounds;
+pub mod metrics;
+pub mod random;
 pub mod runner;
 pub mod saved;
 pub mod servo;
 pub mod settings_map;
+pub mod simulate;
+pub mod statistics;
 pub mod wide;

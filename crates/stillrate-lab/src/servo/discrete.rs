@@ -110,12 +110,9 @@ impl Discrete {
                 // p is the posterior variance over R, which equals the gain.
                 first((1.0 - p) * phi, p)
             }
-            Self::Biquad { b, a, .. } => (
-                vec![-a[0], 1.0, -a[1], 0.0],
-                vec![b[1] - a[0] * b[0], b[2] - a[1] * b[0]],
-                vec![1.0, 0.0],
-                b[0],
-            ),
+            Self::Biquad { b, a, .. } => {
+                (vec![-a[0], 1.0, -a[1], 0.0], vec![b[1] - a[0] * b[0], b[2] - a[1] * b[0]], vec![1.0, 0.0], b[0])
+            }
         }
     }
 }

@@ -130,7 +130,12 @@ impl Plant {
         }
         positive("dt_s", dt_s, "s")?;
         if dt_s * self.fastest_rate() > STEP_LIMIT {
-            return Err(ConfigError::new("dt_s", dt_s, "s", "at most 2.5 over the plant's fastest rate (current loop, bristle, bearing friction, gyro or coupling) in"));
+            return Err(ConfigError::new(
+                "dt_s",
+                dt_s,
+                "s",
+                "at most 2.5 over the plant's fastest rate (current loop, bristle, bearing friction, gyro or coupling) in",
+            ));
         }
         Ok(())
     }

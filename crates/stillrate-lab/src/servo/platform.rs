@@ -104,9 +104,10 @@ impl Platform {
             "s",
             "a whole fraction of the control period (at most 10000 steps), in",
         ))?;
-        let delay = whole(not_negative("delay_s", delay_s, "s")? / dt_s)
-            .filter(|n| *n <= steps * (PENDING - 4) as f64)
-            .ok_or(ConfigError::new("delay_s", delay_s, "s", "a whole number of dt_s and at most 60 control periods, in"))?;
+        let delay =
+            whole(not_negative("delay_s", delay_s, "s")? / dt_s).filter(|n| *n <= steps * (PENDING - 4) as f64).ok_or(
+                ConfigError::new("delay_s", delay_s, "s", "a whole number of dt_s and at most 60 control periods, in"),
+            )?;
         Ok(Self {
             plant,
             controller,
@@ -194,7 +195,8 @@ impl Platform {
             }
             for j in 0..self.steps {
                 let now = k * self.steps + j;
-                let u = if now < self.delay_steps { 0.0 } else { pending[(now - self.delay_steps) / self.steps % PENDING] };
+                let u =
+                    if now < self.delay_steps { 0.0 } else { pending[(now - self.delay_steps) / self.steps % PENDING] };
                 self.plant.step(&mut state, u, &[table[2 * j], table[2 * j + 1], table[2 * j + 2]], self.dt_s);
             }
         }
