@@ -50,6 +50,7 @@ fn the_open_loop_plant_follows_its_reference() {
     for name in ["open_loop_linear", "open_loop_full"] {
         let case = &all["cases"][name];
         let plant = plant_of(&case["plant"]);
+        let plant = plant.kernel();
         let base = Base::Sine { amplitude_rad: number(&case["base"]["A_rad"]), frequency_hz: 1.0, ramp_s: 1.0 };
         let (mut x, mut ours, mut scale) = ([0.0; 7], Vec::new(), vec![0.0_f64; 7]);
         for k in 0..200 {

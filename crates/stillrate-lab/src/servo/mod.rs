@@ -7,11 +7,15 @@ pub mod base;
 pub mod controller;
 pub mod discrete;
 pub mod drift;
+pub mod family;
 pub mod linear;
 pub mod loop_filter;
 pub mod measure;
 pub mod plant;
 mod plant_sets;
 pub mod platform;
+pub mod search;
+pub mod trial;
+pub mod tuner;
 
 pub use plant_sets::PlatformDesign;

@@ -176,50 +176,93 @@ impl Plant {
         }
     }
 
+    /// The plant with its quotients worked out, ready to integrate.
+    #[must_use]
+    pub fn kernel(&self) -> Kernel {
+        Kernel {
+            plant: *self,
+            per_inertia: 1.0 / self.inertia_kg_m2,
+            per_drive_inertia: 1.0 / self.drive_inertia_kg_m2,
+            per_contact: 1.0 / self.contact_softness_rad,
+            per_bearing_rate: 1.0 / self.bearing_rate_rad_s,
+            per_stribeck_rate: 1.0 / self.stribeck_rate_rad_s,
+            per_resistance: 1.0 / self.resistance_ohm,
+            per_current_time: 1.0 / self.current_time_s,
+            back_emf: self.motor_constant_v_s * self.gear_ratio,
+        }
+    }
+}
+
+/// A [`Plant`] with its quotients worked out: what the integrator uses.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::plant::Plant;
+/// let kernel = Plant::platform_30kg().kernel();
+/// let mut state = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+/// kernel.step(&mut state, 0.0, &[(0.0, 0.0); 3], 1e-3);
+/// assert!(state[1] < 0.0); // the pendulum swings back
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kernel {
+    plant: Plant,
+    per_inertia: f64,
+    per_drive_inertia: f64,
+    per_contact: f64,
+    per_bearing_rate: f64,
+    per_stribeck_rate: f64,
+    per_resistance: f64,
+    per_current_time: f64,
+    back_emf: f64,
+}
+
+impl Kernel {
     /// Time derivative of the state for drive voltage `u` and base motion (angle, rate).
     #[inline(always)]
     fn derivative<const EXACT: bool>(&self, x: &State, u: f64, base: (f64, f64)) -> State {
+        let p = &self.plant;
         let [theta, omega, alpha, nu, current, z, gyro] = *x;
         let (psi, psi_rate) = (theta - base.0, omega - base.1);
         let delta = alpha - psi;
-        let hb = self.half_backlash_rad;
-        let q = f64::select(delta > hb, delta - hb, f64::select(delta < -hb, delta + hb, 0.0));
-        let contact = (q.magnitude() / self.contact_softness_rad).least(1.0);
-        let coupling = self.coupling_stiffness_n_m * q + self.coupling_damping_n_m_s * (nu - psi_rate) * contact;
-        let slip = psi_rate / self.bearing_rate_rad_s;
-        let stribeck = nu / self.stribeck_rate_rad_s;
-        let (sign, fade, sine) = if EXACT {
-            (slip.tangent_hyperbolic(), (-stribeck * stribeck).exponential(), theta.sine_cosine().0)
+        // Beyond the play: what a clamp to the play leaves over.
+        let q = delta - delta.limited(-p.half_backlash_rad, p.half_backlash_rad);
+        let contact = (q.magnitude() * self.per_contact).least(1.0);
+        let coupling = p.coupling_stiffness_n_m * q + p.coupling_damping_n_m_s * (nu - psi_rate) * contact;
+        let slip = psi_rate * self.per_bearing_rate;
+        let stribeck = nu * self.per_stribeck_rate;
+        let (sign, sine, bent) = if EXACT {
+            let steady = p.coulomb_n_m + (p.stiction_n_m - p.coulomb_n_m) * (-stribeck * stribeck).exponential();
+            (slip.tangent_hyperbolic(), theta.sine_cosine().0, z / steady)
         } else {
-            (slip / (1.0 + slip * slip).root(), 1.0 / (1.0 + stribeck * stribeck), sine(theta))
+            // z / (Fc + (Fs - Fc)/(1 + s^2)) with one division.
+            let wide = 1.0 + stribeck * stribeck;
+            let bent = z * wide / (p.coulomb_n_m * wide + (p.stiction_n_m - p.coulomb_n_m));
+            (slip / (1.0 + slip * slip).root(), sine(theta), bent)
         };
         let torque = coupling
-            - self.bearing_viscous_n_m_s * psi_rate
-            - self.bearing_dry_n_m * sign
-            - self.pendulum_n_m * sine
-            - self.hose_stiffness_n_m * psi;
-        let steady = self.coulomb_n_m + (self.stiction_n_m - self.coulomb_n_m) * fade;
-        let bristle = nu - self.bristle_stiffness_n_m * nu.magnitude() * z / steady;
-        let friction =
-            self.bristle_stiffness_n_m * z + self.bristle_damping_n_m_s * bristle + self.drive_viscous_n_m_s * nu;
-        let back_emf = self.motor_constant_v_s * self.gear_ratio;
-        let wanted = ((u.limited(-self.voltage_max_v, self.voltage_max_v) - back_emf * nu) / self.resistance_ohm)
-            .limited(-self.current_max_a, self.current_max_a);
+            - p.bearing_viscous_n_m_s * psi_rate
+            - p.bearing_dry_n_m * sign
+            - p.pendulum_n_m * sine
+            - p.hose_stiffness_n_m * psi;
+        let bristle = nu - p.bristle_stiffness_n_m * nu.magnitude() * bent;
+        let friction = p.bristle_stiffness_n_m * z + p.bristle_damping_n_m_s * bristle + p.drive_viscous_n_m_s * nu;
+        let wanted = ((u - self.back_emf * nu) * self.per_resistance).limited(-p.current_max_a, p.current_max_a);
         [
             omega,
-            torque / self.inertia_kg_m2,
+            torque * self.per_inertia,
             nu,
-            (back_emf * current - friction - coupling) / self.drive_inertia_kg_m2,
-            (wanted - current) / self.current_time_s,
+            (self.back_emf * current - friction - coupling) * self.per_drive_inertia,
+            (wanted - current) * self.per_current_time,
             bristle,
-            self.gyro_bandwidth_rad_s * (omega - gyro),
+            p.gyro_bandwidth_rad_s * (omega - gyro),
         ]
     }
 
     /// One step of the classical Runge-Kutta method; `base` holds (angle, rate) at the step's start, middle and end.
     #[inline]
-    pub fn step(&self, x: &mut State, u: f64, base: &[(f64, f64); 3], dt: f64) {
-        match self.curves {
+    pub fn step(&self, x: &mut State, voltage: f64, base: &[(f64, f64); 3], dt: f64) {
+        let u = voltage.limited(-self.plant.voltage_max_v, self.plant.voltage_max_v);
+        match self.plant.curves {
             Curves::Algebraic => self.runge_kutta::<false>(x, u, base, dt),
             Curves::Transcendental => self.runge_kutta::<true>(x, u, base, dt),
         }
@@ -232,7 +275,8 @@ impl Plant {
         let k2 = self.derivative::<EXACT>(&ahead(&k1, 0.5 * dt), u, base[1]);
         let k3 = self.derivative::<EXACT>(&ahead(&k2, 0.5 * dt), u, base[1]);
         let k4 = self.derivative::<EXACT>(&ahead(&k3, dt), u, base[2]);
-        *x = core::array::from_fn(|i| x[i] + dt / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+        let sixth = dt / 6.0;
+        *x = core::array::from_fn(|i| x[i] + sixth * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
     }
 }
 

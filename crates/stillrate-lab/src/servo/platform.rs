@@ -170,6 +170,7 @@ impl Platform {
             voltage_max_v: self.plant.voltage_max_v,
             angle_reference_rad: self.angle_reference_rad,
         };
+        let kernel = self.plant.kernel();
         filter.reset();
         let mut random = Random::new(gyro.seed, 0);
         let mut state: State = [0.0; STATES];
@@ -197,7 +198,7 @@ impl Platform {
                 let now = k * self.steps + j;
                 let u =
                     if now < self.delay_steps { 0.0 } else { pending[(now - self.delay_steps) / self.steps % PENDING] };
-                self.plant.step(&mut state, u, &[table[2 * j], table[2 * j + 1], table[2 * j + 2]], self.dt_s);
+                kernel.step(&mut state, u, &[table[2 * j], table[2 * j + 1], table[2 * j + 2]], self.dt_s);
             }
         }
         record.last_state = state;
