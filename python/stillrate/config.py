@@ -9,7 +9,8 @@ from __future__ import annotations
 import dataclasses
 import math
 import tomllib
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -107,6 +108,52 @@ def _toml(value: float | str | list[float]) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
+class MsImmIkf(Config):
+    """The recommended filter: an interacting multiple model bank with an on-line manoeuvre frequency.
+
+    One random walk, a ladder of Singer models up to the sample rate, and double oscillators that share a frequency found
+    on line. Only the sample rate and the noise must be given.
+
+    Parameters
+    ----------
+    oscillators : sequence of float, optional
+        Half-widths of the double oscillators in rad/s; default (1, 3, 10, 30); ``()`` is the light form, at half the cost.
+    ladder_hz : sequence of float, optional
+        Bandwidths of the Singer rungs in Hz; default 2, 8, 32, ... up to the first that reaches the sample rate.
+    dwell_time_s, rest_dwell_time_s : float, optional
+        Mean dwell time in a moving model and at rest, in s; default 20 and 100.
+    frequency_memory_s, variance_memory_s : float, optional
+        Memory of the manoeuvre frequency and of the prior variances, in s; default 5 and 1.
+    derivative_cap : float, optional
+        Cap on the acceleration that oscillators take over from other models; default 4; ``inf`` for none.
+    moment_limit_hz : float, optional
+        Rungs above this bandwidth stay out of the frequency's moments, in Hz; default 33; ``inf`` for none.
+    refresh_s : float, optional
+        Interval at which the oscillators follow the frequency, in s; default 0.02; 0 for every sample.
+    bandwidth_hz : float, optional
+        Known bandwidth of the motion in Hz: rungs above it are left out, but never the widest; default ``inf``.
+    outlier_probability : float, optional
+        Prior probability of an outlier, 0 (off, the default) to below 0.5.
+    saturation_dps : float, optional
+        Full scale of the sensor in deg/s: samples there count as one-sided bounds; default ``inf``.
+    """
+
+    method: ClassVar[str] = "ms-imm-ikf"
+    oscillators: Sequence[float] | None = None
+    ladder_hz: Sequence[float] | None = None
+    dwell_time_s: float | None = None
+    rest_dwell_time_s: float | None = None
+    frequency_memory_s: float | None = None
+    variance_memory_s: float | None = None
+    derivative_cap: float | None = None
+    moment_limit_hz: float | None = None
+    refresh_s: float | None = None
+    bandwidth_hz: float | None = None
+    outlier_probability: float | None = None
+    saturation_dps: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Pt1(Config):
     """First-order low-pass, the usual flight-controller gyro filter.
 
@@ -117,7 +164,7 @@ class Pt1(Config):
     """
 
     method: ClassVar[str] = "pt1"
-    cutoff_hz: float | None = field(default=None)
+    cutoff_hz: float | None = None
 
 
 def methods() -> dict[str, type[Config]]:

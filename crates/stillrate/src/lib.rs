@@ -14,7 +14,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
 pub mod block;
@@ -22,6 +22,7 @@ pub mod elementary;
 pub mod error;
 pub mod filter;
 pub mod filters;
+pub mod models;
 pub mod noise;
 pub mod real;
 pub mod reals;
@@ -31,5 +32,5 @@ pub use error::ConfigError;
 pub use filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 pub use noise::GyroNoise;
 pub use real::Real;
-pub use reals::Reals;
+pub use reals::{Lane, Reals};
 pub use settings::Settings;

@@ -7,13 +7,15 @@
 
 use crate::real::Real;
 
-/// Plain data that is a fixed number of reals in a fixed order.
-pub trait Reals<T: Real>: Copy {
-    /// How many numbers there are.
+/// Plain data that is a fixed number of items of type `T` in a fixed order.
+///
+/// `T` is a number, or a [`Lane`] of numbers where many channels stand side by side.
+pub trait Reals<T: Copy>: Copy {
+    /// How many items there are.
     const COUNT: usize;
-    /// Builds the value from its numbers, asked for in order.
+    /// Builds the value from its items, asked for in order.
     fn gather(next: &mut impl FnMut() -> T) -> Self;
-    /// Hands out the numbers in the same order.
+    /// Hands out the items in the same order.
     fn scatter(&self, put: &mut impl FnMut(T));
 }
 
@@ -29,7 +31,36 @@ impl<T: Real> Reals<T> for T {
     }
 }
 
-impl<T: Real, U: Reals<T>, const N: usize> Reals<T> for [U; N] {
+/// The same number of `W` channels, side by side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(transparent)]
+pub struct Lane<T, const W: usize>(pub [T; W]);
+
+impl<T: Real, const W: usize> Reals<Lane<T, W>> for Lane<T, W> {
+    const COUNT: usize = 1;
+    #[inline(always)]
+    fn gather(next: &mut impl FnMut() -> Lane<T, W>) -> Self {
+        next()
+    }
+    #[inline(always)]
+    fn scatter(&self, put: &mut impl FnMut(Lane<T, W>)) {
+        put(*self);
+    }
+}
+
+impl<T: Real> Reals<T> for Lane<T, 1> {
+    const COUNT: usize = 1;
+    #[inline(always)]
+    fn gather(next: &mut impl FnMut() -> T) -> Self {
+        Lane([next()])
+    }
+    #[inline(always)]
+    fn scatter(&self, put: &mut impl FnMut(T)) {
+        put(self.0[0]);
+    }
+}
+
+impl<T: Copy, U: Reals<T>, const N: usize> Reals<T> for [U; N] {
     const COUNT: usize = N * U::COUNT;
     #[inline(always)]
     fn gather(next: &mut impl FnMut() -> T) -> Self {
@@ -39,6 +70,42 @@ impl<T: Real, U: Reals<T>, const N: usize> Reals<T> for [U; N] {
     fn scatter(&self, put: &mut impl FnMut(T)) {
         for item in self {
             item.scatter(put);
+        }
+    }
+}
+
+/// Data of many channels side by side, from which the data of one channel can be taken and put back.
+pub trait Lanes {
+    /// The data of one channel.
+    type Narrow: Copy;
+    /// Takes the data of channel `c`.
+    fn lane(&self, c: usize) -> Self::Narrow;
+    /// Puts the data of channel `c` back.
+    fn set_lane(&mut self, c: usize, narrow: Self::Narrow);
+}
+
+impl<T: Real, const W: usize> Lanes for Lane<T, W> {
+    type Narrow = T;
+    #[inline(always)]
+    fn lane(&self, c: usize) -> T {
+        self.0[c]
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, c: usize, narrow: T) {
+        self.0[c] = narrow;
+    }
+}
+
+impl<U: Lanes, const N: usize> Lanes for [U; N] {
+    type Narrow = [U::Narrow; N];
+    #[inline(always)]
+    fn lane(&self, c: usize) -> Self::Narrow {
+        core::array::from_fn(|k| self[k].lane(c))
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, c: usize, narrow: Self::Narrow) {
+        for (item, value) in self.iter_mut().zip(narrow) {
+            item.set_lane(c, value);
         }
     }
 }
@@ -66,15 +133,26 @@ macro_rules! reals {
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[repr(C)]
         $vis struct $name<T> { $($(#[$fmeta])* pub $field: $type),+ }
-        impl<T: $crate::Real> $crate::Reals<T> for $name<T> {
-            const COUNT: usize = 0 $(+ <$type as $crate::Reals<T>>::COUNT)+;
+        impl<L: Copy, T: $crate::Reals<L>> $crate::Reals<L> for $name<T> {
+            const COUNT: usize = 0 $(+ <$type as $crate::Reals<L>>::COUNT)+;
             #[inline(always)]
-            fn gather(next: &mut impl FnMut() -> T) -> Self {
-                Self { $($field: <$type as $crate::Reals<T>>::gather(next)),+ }
+            fn gather(next: &mut impl FnMut() -> L) -> Self {
+                Self { $($field: <$type as $crate::Reals<L>>::gather(next)),+ }
             }
             #[inline(always)]
-            fn scatter(&self, put: &mut impl FnMut(T)) {
-                $($crate::Reals::<T>::scatter(&self.$field, put);)+
+            fn scatter(&self, put: &mut impl FnMut(L)) {
+                $(<$type as $crate::Reals<L>>::scatter(&self.$field, put);)+
+            }
+        }
+        impl<T: $crate::reals::Lanes> $crate::reals::Lanes for $name<T> {
+            type Narrow = $name<T::Narrow>;
+            #[inline(always)]
+            fn lane(&self, c: usize) -> $name<T::Narrow> {
+                $name { $($field: self.$field.lane(c)),+ }
+            }
+            #[inline(always)]
+            fn set_lane(&mut self, c: usize, narrow: $name<T::Narrow>) {
+                $(self.$field.set_lane(c, narrow.$field);)+
             }
         }
     };

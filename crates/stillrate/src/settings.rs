@@ -64,6 +64,7 @@ pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
 macro_rules! methods {
     ($callback:ident) => {
         $callback! {
+            MsImmIkfSettings,
             Pt1Settings
         }
     };

@@ -1,0 +1,45 @@
+# Everything here works on a fresh machine with Python >= 3.11 (venv) and a Rust toolchain.
+.PHONY: demo test test-rust test-python test-long bench lint build clean
+PY := .venv/bin/python
+STAMP := .venv/.installed
+
+.venv/.tools: pyproject.toml
+	python3 -m venv .venv
+	$(PY) -m pip install --quiet --upgrade pip "maturin>=1.9,<2"
+	touch $@
+
+# The compiled package, installed into .venv with what the tests and the report page need.
+$(STAMP): .venv/.tools $(shell find crates python -name '*.rs' -o -name '*.toml' -o -name '*.py') Cargo.toml pyproject.toml
+	. .venv/bin/activate && maturin develop --release --quiet --extras tables,report
+	touch $@
+
+build: $(STAMP)
+
+demo: build
+	.venv/bin/stillrate demo
+
+.venv/.test-tools: $(STAMP)
+	. .venv/bin/activate && maturin develop --release --quiet --extras all,test,lint
+	touch $@
+
+test: test-rust test-python
+
+test-rust:
+	cargo test --workspace --exclude stillrate-py --quiet
+
+test-python: .venv/.test-tools
+	$(PY) -m pytest
+
+test-long: .venv/.test-tools
+	cargo test --workspace --exclude stillrate-py --release -- --ignored
+	$(PY) -m pytest -m long
+
+lint: .venv/.test-tools
+	cargo fmt --check
+	cargo clippy --workspace --all-targets --quiet -- -D warnings
+	.venv/bin/ruff check python tests benches
+	.venv/bin/ruff format --check python tests benches
+	.venv/bin/mypy
+
+clean:
+	rm -rf target .venv dist site

@@ -1,0 +1,148 @@
+//! Prediction and measurement update of the bank's models, for H = (1, 0, ...).
+//!
+//! Predictions use the structure of F; updates use that H picks the rate, which makes the gain the first column of P over S and
+//! the updated first row R/S times the old one (the symmetric form of Joseph's, without its cancellation).
+
+use super::mix::{Moments2, Moments4};
+use crate::models::SingerCoefficients;
+use crate::models::oscillator::OscillatorStep;
+use crate::real::Real;
+
+/// What a measurement said about one model.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Evidence<T> {
+    pub(crate) innovation: T,
+    pub(crate) innovation_variance: T,
+    /// -1/2 innovation^2 / variance.
+    pub(crate) exponent: T,
+    /// Factor of the likelihood besides the exponential: 1 / sqrt(variance).
+    pub(crate) factor: T,
+    /// Probability that the measurement was an outlier.
+    pub(crate) outlier: T,
+}
+
+/// Measurement and its noise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reading<T> {
+    pub(crate) value: T,
+    pub(crate) variance: T,
+    /// Prior probability of an outlier; 0 switches the two-component model off.
+    pub(crate) outlier_probability: T,
+}
+
+/// Outliers have this many times the variance of ordinary noise, in addition to it (specification 4.2).
+const OUTLIER_VARIANCE: f64 = 1e4;
+
+/// Singer prediction: F = [[1, r], [0, s]], Q = `intensity` times the unit process noise.
+#[inline(always)]
+pub(crate) fn predict_singer<T: Real>(mixed: &Moments2<T>, step: &SingerCoefficients<T>, intensity: T) -> Moments2<T> {
+    let [x0, x1] = mixed.mean;
+    let [p00, p01, p11] = mixed.covariance;
+    let p01r = p01 + step.r * p11;
+    Moments2 {
+        mean: [x0 + step.r * x1, step.s * x1],
+        covariance: [
+            p00 + step.r * (p01 + p01r) + intensity * step.q11,
+            step.s * p01r + intensity * step.q12,
+            step.s * step.s * p11 + intensity * step.q22,
+        ],
+    }
+}
+
+/// Oscillator prediction; the process noise is `intensity` times the unit one.
+#[inline(always)]
+pub(crate) fn predict_oscillator<T: Real>(mixed: &Moments4<T>, step: &OscillatorStep<T>, intensity: T) -> Moments4<T> {
+    let (a, b, h) = (&step.from_rate, &step.from_acceleration, &step.response);
+    let x = &mixed.mean;
+    let p = &mixed.covariance;
+    let row = |r: usize, c: [T; 4]| (a[r] * c[0] + b[r] * c[1]) + (h[r + 1] * c[2] + h[r] * c[3]);
+    // Rows of P, then F P by columns of P (symmetric), then (F P) F'.
+    let rows = [[p[0], p[1], p[2], p[3]], [p[1], p[4], p[5], p[6]], [p[2], p[5], p[7], p[8]], [p[3], p[6], p[8], p[9]]];
+    let fp: [[T; 4]; 4] = core::array::from_fn(|r| core::array::from_fn(|c| row(r, rows[c])));
+    let q = &step.noise;
+    Moments4 {
+        mean: core::array::from_fn(|r| row(r, *x)),
+        covariance: [
+            row(0, fp[0]) + intensity * q[0],
+            row(1, fp[0]) + intensity * q[1],
+            row(2, fp[0]) + intensity * q[2],
+            row(3, fp[0]) + intensity * q[3],
+            row(1, fp[1]) + intensity * q[4],
+            row(2, fp[1]) + intensity * q[5],
+            row(3, fp[1]) + intensity * q[6],
+            row(2, fp[2]) + intensity * q[7],
+            row(3, fp[2]) + intensity * q[8],
+            row(3, fp[3]) + intensity * q[9],
+        ],
+    }
+}
+
+/// Innovation, its variance, and the gain's denominator, with the outlier model folded in: returns the evidence, the
+/// factor that multiplies `innovation` in the state update, the factor of the covariance reduction, and R/S.
+#[inline(always)]
+fn weigh<T: Real>(predicted_rate: T, rate_variance: T, reading: &Reading<T>) -> (Evidence<T>, T, T, T) {
+    let innovation = reading.value - predicted_rate;
+    let variance = rate_variance + reading.variance;
+    let inverse = T::ONE / variance;
+    let square = innovation * innovation;
+    let exponent = -T::HALF * square * inverse;
+    let plain =
+        Evidence { innovation, innovation_variance: variance, exponent, factor: inverse.root(), outlier: T::ZERO };
+    if reading.outlier_probability == T::ZERO {
+        return (plain, inverse, inverse, reading.variance * inverse);
+    }
+    // Two-component noise: the update is the probability-weighted mean of both updates, and its covariance the
+    // mixture's (probabilistic data association with a diffuse second component).
+    let wide = variance + reading.variance * T::of(OUTLIER_VARIANCE);
+    let wide_inverse = T::ONE / wide;
+    let wide_exponent = -T::HALF * square * wide_inverse;
+    let highest = exponent.most(wide_exponent);
+    let good = (T::ONE - reading.outlier_probability) * (exponent - highest).exponential() * plain.factor;
+    let bad = reading.outlier_probability * (wide_exponent - highest).exponential() * wide_inverse.root();
+    let outlier = bad / (good + bad);
+    let ordinary = T::ONE - outlier;
+    let move_by = ordinary * inverse + outlier * wide_inverse;
+    // P - P0 P0' (mean of 1/S) + P0 P0' (spread of the two moves).
+    let spread = ordinary * outlier * (inverse - wide_inverse) * (inverse - wide_inverse) * square;
+    let shrink = move_by - spread;
+    let evidence = Evidence { exponent: highest, factor: good + bad, outlier, ..plain };
+    (evidence, move_by, shrink, T::ONE - rate_variance * shrink)
+}
+
+/// Updates rate and acceleration.
+#[inline(always)]
+pub(crate) fn update2<T: Real>(predicted: &Moments2<T>, reading: &Reading<T>) -> (Moments2<T>, Evidence<T>) {
+    let [p00, p01, p11] = predicted.covariance;
+    let (evidence, move_by, shrink, left) = weigh(predicted.mean[0], p00, reading);
+    let step = move_by * evidence.innovation;
+    let moments = Moments2 {
+        mean: [predicted.mean[0] + p00 * step, predicted.mean[1] + p01 * step],
+        covariance: [p00 * left, p01 * left, p11 - p01 * p01 * shrink],
+    };
+    (moments, evidence)
+}
+
+/// Updates a four-component state.
+#[inline(always)]
+pub(crate) fn update4<T: Real>(predicted: &Moments4<T>, reading: &Reading<T>) -> (Moments4<T>, Evidence<T>) {
+    let p = &predicted.covariance;
+    let (evidence, move_by, shrink, left) = weigh(predicted.mean[0], p[0], reading);
+    let step = move_by * evidence.innovation;
+    let (k1, k2, k3) = (p[1] * shrink, p[2] * shrink, p[3] * shrink);
+    let moments = Moments4 {
+        mean: core::array::from_fn(|k| predicted.mean[k] + p[k] * step),
+        covariance: [
+            p[0] * left,
+            p[1] * left,
+            p[2] * left,
+            p[3] * left,
+            p[4] - k1 * p[1],
+            p[5] - k1 * p[2],
+            p[6] - k1 * p[3],
+            p[7] - k2 * p[2],
+            p[8] - k2 * p[3],
+            p[9] - k3 * p[3],
+        ],
+    };
+    (moments, evidence)
+}

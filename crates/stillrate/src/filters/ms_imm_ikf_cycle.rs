@@ -1,0 +1,441 @@
+//! The cycle of the recommended bank: mix, predict, update, weigh, fuse, follow the frequency.
+//!
+//! Each stage is a loop over the models with a loop over the channels inside; the latter is straight-line code that the compiler
+//! turns into vector instructions. The order of every sum over models is fixed: random walk, rungs, oscillators.
+
+use super::bank::mix::{Moments2, Sums2, Sums4, capped};
+use super::bank::update::{Evidence, Reading, predict_oscillator, predict_singer, update2, update4};
+use super::ms_imm_ikf::{MsImmIkf, OSCILLATORS, PROBABILITY_FLOOR, Pace, RUNGS, Wide};
+use crate::filter::{Checked, Flags, ModelTrace, Observer};
+use crate::real::Real;
+use crate::reals::{Lane, Lanes};
+
+const MODELS: usize = 1 + RUNGS + OSCILLATORS;
+
+/// What every target of the mixing needs to know about the last posterior.
+struct Sources<T, const W: usize> {
+    /// Fused mean: the centre of all sums.
+    centre: [Lane<T, W>; 4],
+    /// All sources, as targets without an oscillation see them.
+    plain: Sums2<Lane<T, W>>,
+    /// All sources, as oscillators see them.
+    widened: Sums4<Lane<T, W>>,
+}
+
+/// Prior probability and likelihood of every model.
+struct Weights<T, const W: usize> {
+    prior: [[T; W]; MODELS],
+    exponent: [[T; W]; MODELS],
+    factor: [[T; W]; MODELS],
+    innovation: [[T; W]; MODELS],
+    variance: [[T; W]; MODELS],
+    outlier: [T; W],
+}
+
+impl<T: Real, const W: usize> Weights<T, W> {
+    #[inline(always)]
+    fn set(&mut self, model: usize, c: usize, prior: T, evidence: &Evidence<T>) {
+        self.prior[model][c] = prior;
+        self.exponent[model][c] = evidence.exponent;
+        self.factor[model][c] = evidence.factor;
+        self.innovation[model][c] = evidence.innovation;
+        self.variance[model][c] = evidence.innovation_variance;
+        self.outlier[c] += prior * evidence.outlier;
+    }
+}
+
+impl<T: Real> MsImmIkf<T> {
+    /// One sample of every channel through the whole cycle; returns the flags.
+    #[inline(always)]
+    pub(crate) fn cycle<const W: usize, O: Observer<T>>(
+        &self,
+        s: &mut Wide<T, W>,
+        checked: &[Checked<T>; W],
+        pace: &Pace<T>,
+        observer: &mut O,
+    ) -> [Flags; W] {
+        observer.frequency(s.motion.angle.0[0] / self.period_s);
+        let sources = self.gather_sources(s, pace);
+        let mut weights = Weights {
+            prior: [[T::ZERO; W]; MODELS],
+            exponent: [[T::ZERO; W]; MODELS],
+            factor: [[T::ONE; W]; MODELS],
+            innovation: [[T::ZERO; W]; MODELS],
+            variance: [[T::ONE; W]; MODELS],
+            outlier: [T::ZERO; W],
+        };
+        self.mix_and_predict(s, &sources, pace, &mut weights);
+        let mut used: [bool; W] = core::array::from_fn(|c| checked[c].present);
+        let mut flags: [Flags; W] = core::array::from_fn(|c| checked[c].flags);
+        if self.saturation < T::LARGEST {
+            self.skip_beyond_the_rail(s, checked, &weights, &mut used, &mut flags);
+        }
+        self.update(s, checked, &used, &mut weights);
+        self.weigh(s, &used, &mut weights);
+        self.fuse_and_follow(s, pace);
+        for c in 0..W {
+            s.started.0[c] = T::select(checked[c].present, T::ONE, s.started.0[c]);
+            flags[c] = flags[c].with(Flags::OUTLIER.when(used[c] && weights.outlier[c] > T::HALF));
+        }
+        self.show(s, &used, &weights, observer);
+        flags
+    }
+
+    /// Probability that a source gives to each other model: mu_i e_i / (n - 1).
+    #[inline(always)]
+    fn given(&self, probability: T, leave: T) -> T {
+        probability * leave * self.share
+    }
+
+    #[inline(always)]
+    fn gather_sources<const W: usize>(&self, s: &Wide<T, W>, pace: &Pace<T>) -> Sources<T, W> {
+        let zero = Lane([T::ZERO; W]);
+        let (rungs, oscillators) = (self.rungs(), self.oscillators());
+        let mut centre = [zero; 4];
+        for c in 0..W {
+            centre[0].0[c] = s.walk_probability.0[c] * s.walk[0].0[c];
+        }
+        for j in 0..rungs {
+            for c in 0..W {
+                centre[0].0[c] += s.rung_probability[j].0[c] * s.rung[j].mean[0].0[c];
+                centre[1].0[c] += s.rung_probability[j].0[c] * s.rung[j].mean[1].0[c];
+            }
+        }
+        for j in 0..oscillators {
+            for k in 0..4 {
+                for c in 0..W {
+                    centre[k].0[c] += s.oscillator_probability[j].0[c] * s.oscillator[j].mean[k].0[c];
+                }
+            }
+        }
+        let none2 = Sums2 { weight: zero, first: [zero; 2], second: [zero; 3] };
+        let none4 = Sums4 { weight: zero, first: [zero; 4], second: [zero; 10] };
+        let (mut plain, mut pulled, mut oscillating) = (none2, none2, none4);
+        let mut cap = [T::ZERO; W];
+        for c in 0..W {
+            let angle = s.motion.angle.0[c];
+            let floor = self.noise_share * angle * angle;
+            // An infinite cap is stored as the largest number: no product with it may become NaN.
+            cap[c] = (self.derivative_cap * s.motion.acceleration_square.0[c] + floor).least(T::LARGEST);
+            if self.derivative_cap == T::LARGEST {
+                cap[c] = T::LARGEST;
+            }
+        }
+        for j in 0..=rungs {
+            for c in 0..W {
+                let (weight, source) = if j == 0 {
+                    (self.given(s.walk_probability.0[c], pace.leave_rest), self.rest(s, c))
+                } else {
+                    (self.given(s.rung_probability[j - 1].0[c], pace.leave), s.rung[j - 1].lane(c))
+                };
+                let middle = centre.lane(c);
+                let mut sum = plain.lane(c);
+                sum.add(weight, &source, middle);
+                plain.set_lane(c, sum);
+                if oscillators > 0 {
+                    let mut sum = pulled.lane(c);
+                    sum.add(weight, &capped(&source, middle[1], cap[c]), middle);
+                    pulled.set_lane(c, sum);
+                }
+            }
+        }
+        for j in 0..oscillators {
+            for c in 0..W {
+                let weight = self.given(s.oscillator_probability[j].0[c], pace.leave);
+                let mut sum = oscillating.lane(c);
+                sum.add(weight, &s.oscillator[j].lane(c), centre.lane(c));
+                oscillating.set_lane(c, sum);
+            }
+        }
+        let mut widened = none4;
+        for c in 0..W {
+            let others = oscillating.lane(c);
+            let seen = pulled.lane(c).widened(s.lacking.lane(c), centre.lane(c));
+            widened.set_lane(c, seen.with(&others));
+            plain.set_lane(c, plain.lane(c).with(&others));
+        }
+        Sources { centre, plain, widened }
+    }
+
+    /// The random walk with the acceleration it lacks.
+    #[inline(always)]
+    fn rest<const W: usize>(&self, s: &Wide<T, W>, c: usize) -> Moments2<T> {
+        Moments2 { mean: [s.walk[0].0[c], T::ZERO], covariance: [s.walk[1].0[c], T::ZERO, self.missing_acceleration] }
+    }
+
+    #[inline(always)]
+    fn mix_and_predict<const W: usize>(
+        &self,
+        s: &mut Wide<T, W>,
+        sources: &Sources<T, W>,
+        pace: &Pace<T>,
+        weights: &mut Weights<T, W>,
+    ) {
+        // A model stays with 1 - e_j; the common sum already holds its share for others.
+        let extra = |probability: T, leave: T| (T::ONE - leave) * probability - self.given(probability, leave);
+        for c in 0..W {
+            let own = extra(s.walk_probability.0[c], pace.leave_rest);
+            let (prior, mixed) = sources.plain.lane(c).mixed(own, &self.rest(s, c), sources.centre.lane(c));
+            weights.prior[0][c] = prior;
+            s.walk[0].0[c] = mixed.mean[0];
+            s.walk[1].0[c] = mixed.covariance[0] + pace.walk;
+        }
+        for j in 0..self.rungs() {
+            for c in 0..W {
+                let own = extra(s.rung_probability[j].0[c], pace.leave);
+                let (prior, mixed) = sources.plain.lane(c).mixed(own, &s.rung[j].lane(c), sources.centre.lane(c));
+                weights.prior[1 + j][c] = prior;
+                s.rung[j].set_lane(c, predict_singer(&mixed, &pace.singer, self.rung_intensity[j]));
+            }
+        }
+        for j in 0..self.oscillators() {
+            for c in 0..W {
+                let own = extra(s.oscillator_probability[j].0[c], pace.leave);
+                let centre = sources.centre.lane(c);
+                let (prior, mixed) = sources.widened.lane(c).mixed(own, &s.oscillator[j].lane(c), centre);
+                weights.prior[1 + RUNGS + j][c] = prior;
+                let predicted = predict_oscillator(&mixed, &s.step.lane(c), self.oscillator_intensity[j]);
+                s.oscillator[j].set_lane(c, predicted);
+            }
+        }
+        s.lacking = s.lacking_next;
+        if pace.elapsed > T::ONE {
+            self.widen_after_gap(s, pace.elapsed);
+        }
+    }
+
+    /// An oscillator that has forgotten its phase knows no more than the size of the motion.
+    #[cold]
+    #[inline(never)]
+    fn widen_after_gap<const W: usize>(&self, s: &mut Wide<T, W>, elapsed: T) {
+        for c in 0..W {
+            if s.motion.angle.0[c] * elapsed <= self.memory.angle_max {
+                continue;
+            }
+            for model in s.oscillator.iter_mut().take(self.oscillators()) {
+                model.covariance[0].0[c] += s.motion.rate_square.0[c];
+                model.covariance[4].0[c] += s.motion.acceleration_square.0[c] + self.missing_acceleration;
+                model.covariance[7].0[c] += s.lacking_next[0].0[c];
+                model.covariance[9].0[c] += s.lacking_next[1].0[c];
+            }
+        }
+    }
+
+    /// A sample at the rail only says "at least this much": where the prediction lies beyond it, it says nothing.
+    #[inline(always)]
+    fn skip_beyond_the_rail<const W: usize>(
+        &self,
+        s: &Wide<T, W>,
+        checked: &[Checked<T>; W],
+        weights: &Weights<T, W>,
+        used: &mut [bool; W],
+        flags: &mut [Flags; W],
+    ) {
+        for c in 0..W {
+            let z = checked[c].value;
+            let mut predicted = weights.prior[0][c] * s.walk[0].0[c];
+            for j in 0..self.rungs() {
+                predicted += weights.prior[1 + j][c] * s.rung[j].mean[0].0[c];
+            }
+            for j in 0..self.oscillators() {
+                predicted += weights.prior[1 + RUNGS + j][c] * s.oscillator[j].mean[0].0[c];
+            }
+            let at_rail = checked[c].present && z.magnitude() >= self.saturation;
+            let beyond = if z < T::ZERO { predicted < z } else { predicted > z };
+            used[c] = used[c] && !(at_rail && beyond && s.started.0[c] != T::ZERO);
+            flags[c] = flags[c].with(Flags::SATURATED.when(at_rail));
+        }
+    }
+
+    #[inline(always)]
+    fn update<const W: usize>(
+        &self,
+        s: &mut Wide<T, W>,
+        checked: &[Checked<T>; W],
+        used: &[bool; W],
+        weights: &mut Weights<T, W>,
+    ) {
+        let reading = |c: usize| Reading {
+            value: checked[c].value,
+            variance: self.measurement_variance,
+            outlier_probability: self.outlier_probability,
+        };
+        // The first sample sets every model to (z, 0, 0, 0).
+        let first: [bool; W] = core::array::from_fn(|c| used[c] && s.started.0[c] == T::ZERO);
+        for c in 0..W {
+            let predicted = Moments2 {
+                mean: [T::select(first[c], checked[c].value, s.walk[0].0[c]), T::ZERO],
+                covariance: [s.walk[1].0[c], T::ZERO, self.missing_acceleration],
+            };
+            let (updated, evidence) = update2(&predicted, &reading(c));
+            weights.set(0, c, weights.prior[0][c], &evidence);
+            s.walk[0].0[c] = T::select(used[c], updated.mean[0], s.walk[0].0[c]).flushed();
+            s.walk[1].0[c] = T::select(used[c], updated.covariance[0], s.walk[1].0[c]);
+        }
+        for j in 0..self.rungs() {
+            for c in 0..W {
+                let old = s.rung[j].lane(c);
+                let mut predicted = old;
+                predicted.mean = core::array::from_fn(|k| first_mean(first[c], checked[c].value, old.mean[k], k));
+                let (updated, evidence) = update2(&predicted, &reading(c));
+                weights.set(1 + j, c, weights.prior[1 + j][c], &evidence);
+                let kept = Moments2 {
+                    mean: core::array::from_fn(|k| T::select(used[c], updated.mean[k], old.mean[k]).flushed()),
+                    covariance: core::array::from_fn(|k| T::select(used[c], updated.covariance[k], old.covariance[k])),
+                };
+                s.rung[j].set_lane(c, kept);
+            }
+        }
+        for j in 0..self.oscillators() {
+            for c in 0..W {
+                let old = s.oscillator[j].lane(c);
+                let mut predicted = old;
+                predicted.mean = core::array::from_fn(|k| first_mean(first[c], checked[c].value, old.mean[k], k));
+                let (mut updated, evidence) = update4(&predicted, &reading(c));
+                weights.set(1 + RUNGS + j, c, weights.prior[1 + RUNGS + j][c], &evidence);
+                updated.mean = core::array::from_fn(|k| T::select(used[c], updated.mean[k], old.mean[k]).flushed());
+                updated.covariance =
+                    core::array::from_fn(|k| T::select(used[c], updated.covariance[k], old.covariance[k]));
+                s.oscillator[j].set_lane(c, updated);
+            }
+        }
+    }
+
+    /// Posterior probabilities: log-domain exponents against the largest, floor, normalise. A missing sample leaves the prior.
+    #[inline(always)]
+    fn weigh<const W: usize>(&self, s: &mut Wide<T, W>, used: &[bool; W], weights: &mut Weights<T, W>) {
+        let active = (0..=self.rungs()).chain(1 + RUNGS..1 + RUNGS + self.oscillators());
+        let mut highest = weights.exponent[0];
+        for m in active.clone() {
+            for c in 0..W {
+                highest[c] = highest[c].most(weights.exponent[m][c]);
+            }
+        }
+        let mut sum = [T::ZERO; W];
+        for m in active.clone() {
+            for c in 0..W {
+                let likelihood = (weights.exponent[m][c] - highest[c]).exponential() * weights.factor[m][c];
+                let weight = weights.prior[m][c] * T::select(used[c], likelihood, T::ONE);
+                weights.factor[m][c] = weight;
+                sum[c] += weight;
+            }
+        }
+        let mut floored = [T::ZERO; W];
+        for m in active.clone() {
+            for c in 0..W {
+                let probability = (weights.factor[m][c] / sum[c]).most(T::of(PROBABILITY_FLOOR));
+                weights.factor[m][c] = probability;
+                floored[c] += probability;
+            }
+        }
+        for c in 0..W {
+            floored[c] = T::ONE / floored[c];
+            s.walk_probability.0[c] = weights.factor[0][c] * floored[c];
+        }
+        for j in 0..self.rungs() {
+            for c in 0..W {
+                s.rung_probability[j].0[c] = weights.factor[1 + j][c] * floored[c];
+            }
+        }
+        for j in 0..self.oscillators() {
+            for c in 0..W {
+                s.oscillator_probability[j].0[c] = weights.factor[1 + RUNGS + j][c] * floored[c];
+            }
+        }
+    }
+
+    /// Mean and variance of the mixture; then the frequency follows it, wide rungs left out.
+    #[inline(always)]
+    fn fuse_and_follow<const W: usize>(&self, s: &mut Wide<T, W>, pace: &Pace<T>) {
+        let mut rate = [T::ZERO; W];
+        let mut acceleration = [T::ZERO; W];
+        let mut inner = [[T::ZERO; W]; 3];
+        for c in 0..W {
+            let mu = s.walk_probability.0[c];
+            rate[c] = mu * s.walk[0].0[c];
+            inner[0][c] = mu;
+            inner[1][c] = rate[c];
+        }
+        for j in 0..self.rungs() {
+            let counts = self.rung_counts_in[j];
+            for c in 0..W {
+                let mu = s.rung_probability[j].0[c];
+                let (x, a) = (mu * s.rung[j].mean[0].0[c], mu * s.rung[j].mean[1].0[c]);
+                rate[c] += x;
+                acceleration[c] += a;
+                inner[0][c] += counts * mu;
+                inner[1][c] += counts * x;
+                inner[2][c] += counts * a;
+            }
+        }
+        for j in 0..self.oscillators() {
+            for c in 0..W {
+                let mu = s.oscillator_probability[j].0[c];
+                let (x, a) = (mu * s.oscillator[j].mean[0].0[c], mu * s.oscillator[j].mean[1].0[c]);
+                rate[c] += x;
+                acceleration[c] += a;
+                inner[0][c] += mu;
+                inner[1][c] += x;
+                inner[2][c] += a;
+            }
+        }
+        let spread = |mu: T, x: T, p: T, mean: T| mu * (p + (x - mean) * (x - mean));
+        let mut variance = [T::ZERO; W];
+        for c in 0..W {
+            variance[c] = spread(s.walk_probability.0[c], s.walk[0].0[c], s.walk[1].0[c], rate[c]);
+        }
+        for j in 0..self.rungs() {
+            for c in 0..W {
+                let model = &s.rung[j];
+                variance[c] +=
+                    spread(s.rung_probability[j].0[c], model.mean[0].0[c], model.covariance[0].0[c], rate[c]);
+            }
+        }
+        for j in 0..self.oscillators() {
+            for c in 0..W {
+                let model = &s.oscillator[j];
+                variance[c] +=
+                    spread(s.oscillator_probability[j].0[c], model.mean[0].0[c], model.covariance[0].0[c], rate[c]);
+            }
+        }
+        for c in 0..W {
+            s.fused.set_lane(c, [rate[c], acceleration[c], variance[c]]);
+            let inverse = T::ONE / inner[0][c];
+            let motion = s.motion.lane(c);
+            s.motion
+                .set_lane(c, motion.follow(&self.memory, inner[1][c] * inverse, inner[2][c] * inverse, pace.elapsed));
+        }
+    }
+
+    /// Tells the observer what every model did in the first channel.
+    #[inline(always)]
+    fn show<const W: usize, O: Observer<T>>(
+        &self,
+        s: &Wide<T, W>,
+        used: &[bool; W],
+        weights: &Weights<T, W>,
+        observer: &mut O,
+    ) {
+        let mut tell = |index: usize, m: usize, probability: T, alpha: T, rate: T| {
+            let innovation = T::select(used[0], weights.innovation[m][0], T::of(f64::NAN));
+            let innovation_variance = weights.variance[m][0];
+            observer
+                .model(index, ModelTrace { probability, innovation, innovation_variance, fading: T::ONE, alpha, rate });
+        };
+        tell(0, 0, s.walk_probability.0[0], T::ZERO, s.walk[0].0[0]);
+        for j in 0..self.rungs() {
+            let alpha = T::of(super::ms_imm_ikf::RUNG_ALPHA);
+            tell(1 + j, 1 + j, s.rung_probability[j].0[0], alpha, s.rung[j].mean[0].0[0]);
+        }
+        for j in 0..self.oscillators() {
+            let rate = s.oscillator[j].mean[0].0[0];
+            tell(1 + self.rungs() + j, 1 + RUNGS + j, s.oscillator_probability[j].0[0], T::ZERO, rate);
+        }
+    }
+}
+
+/// Component `k` of the predicted mean: (z, 0, 0, 0) at the first sample.
+#[inline(always)]
+fn first_mean<T: Real>(first: bool, value: T, predicted: T, k: usize) -> T {
+    T::select(first, T::select(k == 0, value, T::ZERO), predicted)
+}

@@ -1,0 +1,225 @@
+//! Settings of the recommended bank and the numbers that follow from them.
+
+use super::bank::frequency::FrequencyMemory;
+use super::ms_imm_ikf::{MsImmIkf, NOISE_SHARE, OSCILLATORS, Pace, RUNGS};
+use crate::error::{ConfigError, not_negative, positive};
+use crate::noise::{GyroNoise, RANGE_SIGMAS};
+use crate::real::Real;
+use crate::settings::{Settings, Visit, visit_noise};
+
+/// Settings of [`MsImmIkf`]. Only the sample rate and the noise must be given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MsImmIkfSettings {
+    /// Nominal sample rate, Hz.
+    pub sample_rate_hz: f64,
+    /// The gyro's noise.
+    pub noise: GyroNoise,
+    /// Half-widths D of the double oscillators, rad/s; default 1, 3, 10, 30. None at all is the light form.
+    pub oscillators: [f64; OSCILLATORS],
+    /// How many of them are in use.
+    pub oscillator_count: usize,
+    /// Bandwidths of the Singer rungs, Hz; default 2, 8, 32, ... up to the first that reaches the sample rate.
+    pub ladder_hz: [f64; RUNGS],
+    /// How many of them are in use.
+    pub ladder_count: usize,
+    /// Mean dwell time in a moving model, s; default 20.
+    pub dwell_time_s: f64,
+    /// Mean dwell time in the random-walk model, s; default 100.
+    pub rest_dwell_time_s: f64,
+    /// Memory of the manoeuvre frequency, s; default 5.
+    pub frequency_memory_s: f64,
+    /// Memory of the mean square acceleration behind the prior variances, s; default 1.
+    pub variance_memory_s: f64,
+    /// Cap on the mean square acceleration that an oscillator takes from other models, in units of the followed one; default 4; infinite: no cap.
+    pub derivative_cap: f64,
+    /// Rungs above this bandwidth stay out of the moments, Hz; default 33; may be infinite.
+    pub moment_limit_hz: f64,
+    /// Interval at which the oscillators' coefficients follow the frequency, s; default 0.02; 0: every sample.
+    pub refresh_s: f64,
+    /// Known bandwidth of the motion, Hz: rungs above it are left out, but never the widest; default infinite.
+    pub bandwidth_hz: f64,
+    /// Prior probability of an outlier; 0 (default) switches the outlier model off.
+    pub outlier_probability: f64,
+    /// Full scale of the sensor, deg/s: samples there count as one-sided bounds; default infinite.
+    pub saturation_dps: f64,
+}
+
+impl Settings for MsImmIkfSettings {
+    const METHOD: &'static str = "ms-imm-ikf";
+    type Filter<T: Real> = MsImmIkf<T>;
+
+    fn defaults(sample_rate_hz: f64, noise: GyroNoise) -> Self {
+        let (ladder_hz, ladder_count) = ladder(sample_rate_hz);
+        let mut oscillators = [0.0; OSCILLATORS];
+        oscillators[..4].copy_from_slice(&[1.0, 3.0, 10.0, 30.0]);
+        Self {
+            sample_rate_hz,
+            noise,
+            oscillators,
+            oscillator_count: 4,
+            ladder_hz,
+            ladder_count,
+            dwell_time_s: 20.0,
+            rest_dwell_time_s: 100.0,
+            frequency_memory_s: 5.0,
+            variance_memory_s: 1.0,
+            derivative_cap: 4.0,
+            moment_limit_hz: 33.0,
+            refresh_s: 0.02,
+            bandwidth_hz: f64::INFINITY,
+            outlier_probability: 0.0,
+            saturation_dps: f64::INFINITY,
+        }
+    }
+
+    fn visit<V: Visit>(&mut self, visitor: &mut V) {
+        visitor.number("sample_rate_hz", &mut self.sample_rate_hz);
+        visit_noise(visitor, &mut self.noise);
+        visitor.list("oscillators", &mut self.oscillators, &mut self.oscillator_count);
+        visitor.list("ladder_hz", &mut self.ladder_hz, &mut self.ladder_count);
+        visitor.number("dwell_time_s", &mut self.dwell_time_s);
+        visitor.number("rest_dwell_time_s", &mut self.rest_dwell_time_s);
+        visitor.number("frequency_memory_s", &mut self.frequency_memory_s);
+        visitor.number("variance_memory_s", &mut self.variance_memory_s);
+        visitor.number("derivative_cap", &mut self.derivative_cap);
+        visitor.number("moment_limit_hz", &mut self.moment_limit_hz);
+        visitor.number("refresh_s", &mut self.refresh_s);
+        visitor.number("bandwidth_hz", &mut self.bandwidth_hz);
+        visitor.number("outlier_probability", &mut self.outlier_probability);
+        visitor.number("saturation_dps", &mut self.saturation_dps);
+    }
+
+    fn build<T: Real>(&self) -> Result<MsImmIkf<T>, ConfigError> {
+        MsImmIkf::new(self)
+    }
+}
+
+/// Bandwidths 2, 8, 32, ... Hz up to the first that reaches the sample rate: that rung passes everything and keeps the
+/// bank no worse than raw whatever the motion.
+fn ladder(sample_rate_hz: f64) -> ([f64; RUNGS], usize) {
+    let mut rungs = [0.0; RUNGS];
+    let (mut count, mut bandwidth) = (0, 2.0);
+    for rung in &mut rungs {
+        *rung = bandwidth;
+        count += 1;
+        if bandwidth >= sample_rate_hz {
+            break;
+        }
+        bandwidth *= 4.0;
+    }
+    (rungs, count)
+}
+
+/// Positive, or infinite where that means "none".
+fn positive_or_infinite(field: &'static str, value: f64, unit: &'static str) -> Result<f64, ConfigError> {
+    if value > 0.0 { Ok(value) } else { Err(ConfigError::new(field, value, unit, "> 0 (inf for none)")) }
+}
+
+impl<T: Real> MsImmIkf<T> {
+    /// Checks the settings and computes everything that does not change from sample to sample.
+    ///
+    /// # Errors
+    /// [`ConfigError`] that names the first setting that cannot be used.
+    pub fn new(settings: &MsImmIkfSettings) -> Result<Self, ConfigError> {
+        let rate = positive("sample_rate_hz", settings.sample_rate_hz, "Hz")?;
+        // Two and more models need a rung at or above the rate, and the ladder has a last one.
+        if rate > 2.0 * 4.0_f64.powi(RUNGS as i32 - 1) || rate < 1e-3 {
+            return Err(ConfigError::new("sample_rate_hz", rate, "Hz", "from 0.001 to 32768"));
+        }
+        let noise = settings.noise.checked()?;
+        let period = 1.0 / rate;
+        let variance = noise.sample_variance(rate);
+        if !(1e-24..=1e24).contains(&variance) {
+            let density = noise.density_dps_sqrt_hz;
+            let range = "such that samples have a standard deviation of 1e-12 to 1e12";
+            return Err(ConfigError::new("noise.density_dps_sqrt_hz", density, "deg/s", range));
+        }
+        let walk = noise.rate_random_walk_dps_sqrt_s;
+        let dwell = positive("dwell_time_s", settings.dwell_time_s, "s")? * rate;
+        let rest_dwell = positive("rest_dwell_time_s", settings.rest_dwell_time_s, "s")? * rate;
+        positive_or_infinite("derivative_cap", settings.derivative_cap, "")?;
+        let moment_limit = positive_or_infinite("moment_limit_hz", settings.moment_limit_hz, "Hz")?;
+        let bandwidth = positive_or_infinite("bandwidth_hz", settings.bandwidth_hz, "Hz")?;
+        let saturation = positive_or_infinite("saturation_dps", settings.saturation_dps, "deg/s")?;
+        let refresh = not_negative("refresh_s", settings.refresh_s, "s")?;
+        let outlier = settings.outlier_probability;
+        if !(0.0..0.5).contains(&outlier) {
+            return Err(ConfigError::new("outlier_probability", outlier, "", "from 0 to below 0.5"));
+        }
+        let (rung_count, rung_intensity, rung_counts_in) = rungs(settings, bandwidth, moment_limit, variance)?;
+        let mut oscillator_intensity = [0.0; OSCILLATORS];
+        let oscillator_count = settings.oscillator_count.min(OSCILLATORS);
+        for (intensity, width) in oscillator_intensity.iter_mut().zip(settings.oscillators).take(oscillator_count) {
+            let width = positive("oscillators", width, "rad/s")? * period;
+            *intensity = 16.0 * variance * width * width * width * width;
+        }
+        let angle_max = 0.5 * core::f64::consts::PI;
+        // 1.2 rad/s, but always below the upper limit, also at a few samples an hour.
+        let angle_min = (1.2 * period).least(0.5 * angle_max);
+        let missing_acceleration = core::f64::consts::SQRT_2 * variance * cube(core::f64::consts::TAU * 16.0 * period);
+        let others = (rung_count + oscillator_count) as f64;
+        let filter = Self {
+            period_s: T::of(period),
+            measurement_variance: T::of(variance),
+            noise_share: T::of(NOISE_SHARE * variance * period),
+            limit: T::of(RANGE_SIGMAS * variance.root()),
+            walk_variance: T::of(walk * walk * period),
+            missing_acceleration: T::of(missing_acceleration),
+            start_variance: [
+                T::of(1e3 * missing_acceleration * period * period),
+                T::of(1e6 * missing_acceleration * cube(period) * period),
+            ],
+            rung_count: rung_count as u32,
+            oscillator_count: oscillator_count as u32,
+            rung_intensity: rung_intensity.map(T::of),
+            rung_counts_in: rung_counts_in.map(T::of),
+            oscillator_intensity: oscillator_intensity.map(T::of),
+            derivative_cap: T::of(settings.derivative_cap).least(T::LARGEST),
+            memory: FrequencyMemory {
+                frequency_periods: T::of(positive("frequency_memory_s", settings.frequency_memory_s, "s")? * rate),
+                variance_periods: T::of(positive("variance_memory_s", settings.variance_memory_s, "s")? * rate),
+                angle_min: T::of(angle_min),
+                angle_max: T::of(angle_max),
+                rate_square_min: T::of(1e-8 * variance),
+            },
+            start_angle: T::of((6.28 * period).limited(angle_min, angle_max)),
+            refresh_samples: T::of((refresh * rate + 1e-9).least(16_000_000.0).most(1.0) as u32 as f64),
+            outlier_probability: T::of(outlier),
+            saturation: T::of(saturation).least(T::LARGEST),
+            dwell_periods: T::of(dwell),
+            rest_dwell_periods: T::of(rest_dwell),
+            share: T::of(1.0 / others),
+            nominal: Pace::ZERO,
+        };
+        Ok(Self { nominal: filter.pace(T::ONE), ..filter })
+    }
+}
+
+fn cube(x: f64) -> f64 {
+    x * x * x
+}
+
+type Rungs = (usize, [f64; RUNGS], [f64; RUNGS]);
+
+/// Number of rungs in use, their process noise R (2 pi f T)^4, and whether each counts in the moments.
+fn rungs(settings: &MsImmIkfSettings, bandwidth: f64, limit: f64, variance: f64) -> Result<Rungs, ConfigError> {
+    let given = settings.ladder_count.min(RUNGS);
+    if given == 0 {
+        return Err(ConfigError::new("ladder_hz", 0.0, "entries", "at least 1"));
+    }
+    let (mut intensity, mut counts_in, mut used) = ([0.0; RUNGS], [0.0; RUNGS], 0);
+    for (k, &frequency) in settings.ladder_hz.iter().enumerate().take(given) {
+        positive("ladder_hz", frequency, "Hz")?;
+        // The widest rung is the guard that passes everything: a bandwidth never drops it.
+        if frequency > bandwidth && k + 1 < given {
+            continue;
+        }
+        let corner = core::f64::consts::TAU * frequency / settings.sample_rate_hz;
+        if let (Some(q), Some(c)) = (intensity.get_mut(used), counts_in.get_mut(used)) {
+            *q = variance * corner * corner * corner * corner;
+            *c = if frequency > limit { 0.0 } else { 1.0 };
+        }
+        used += 1;
+    }
+    Ok((used, intensity, counts_in))
+}

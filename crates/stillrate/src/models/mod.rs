@@ -1,0 +1,5 @@
+//! One motion model a file: its transition and process noise over a time step.
+pub mod oscillator;
+mod singer;
+
+pub use singer::{SingerCoefficients, singer_derivatives};

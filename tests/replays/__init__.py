@@ -1,0 +1,1 @@
+"""Replays of reference outputs through the public API, one module a family."""
