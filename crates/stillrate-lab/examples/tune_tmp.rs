@@ -14,7 +14,7 @@ fn main() {
         let task = Task {
             budget_percent: budget,
             effort: Effort { population: pop, generations: gen_, restarts: rs, seed: 11 },
-            seeds: (101..107).collect(),
+            seeds: (101..113).collect(),
         };
         let r = tune(&bench, &f, &task, &mut |_| true).unwrap();
         let c = r.design.controller;
@@ -32,7 +32,7 @@ fn main() {
             r.design.parameters
         );
         let mut tr = Trial::new(&bench, &f, &r.design).unwrap();
-        for seed in 9001..9007 {
+        for seed in 9001..9009 {
             let x = tr.residual(seed).unwrap();
             println!(
                 "   seed {seed}: {:.3} {:.3} jit {:.4} quiet {:.4} lev {:.3}",

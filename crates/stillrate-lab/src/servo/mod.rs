@@ -5,6 +5,7 @@
 
 pub mod base;
 pub mod controller;
+pub mod describing;
 pub mod discrete;
 pub mod drift;
 pub mod family;
@@ -15,6 +16,7 @@ pub mod plant;
 mod plant_sets;
 pub mod platform;
 pub mod search;
+pub mod study;
 pub mod trial;
 pub mod tuner;
 

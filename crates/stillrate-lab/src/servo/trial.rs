@@ -24,7 +24,7 @@ const REST_TO_S: f64 = TILT_S + 14.0;
 /// The moving mean needs this much beyond the window.
 const REST_RUN_S: f64 = REST_TO_S + 0.4;
 /// Residual: from 3 s on, when the ramp of 1 s has died out.
-const RESIDUAL_FROM_S: f64 = 3.0;
+pub(crate) const RESIDUAL_FROM_S: f64 = 3.0;
 const RESIDUAL_RUN_S: f64 = 9.0;
 /// A run is quiet when its rest jitter stays below this many percent of the supply: no limit cycle.
 pub const QUIET_PERCENT: f64 = 1.0;

@@ -23,8 +23,11 @@ pub const GAINS: [Range; 4] = [
 /// Gains offered to every filter at the start: the specification's start, and its three published solutions.
 const OFFERED: [[f64; 4]; 4] =
     [[0.3, 0.4, 75.0, 1e-3], [0.179, 0.3, 72.7, 0.65e-3], [0.681, 0.393, 59.0, 7.7e-3], [1.02, 0.805, 35.2, 1.96e-3]];
-/// Delay that must be survived, s.
-const DELAY_DEMANDED_S: f64 = 0.010;
+/// Checks of margins: (gain factor, added delay in s, on how many seeds it must stay quiet). Asked for are a gain margin of 2 and a delay
+/// margin of 10 ms; the tuner aims a little beyond, because a loop that is nearly unstable breaks out on some seeds only.
+const DEMANDED: [(f64, f64, usize); 3] = [(2.1, 0.0, 8), (1.0, 0.012, 3), (1.5, 0.0, 3)];
+/// Seeds on which rest after a tilt is compared with undisturbed rest.
+const REST_SEEDS: usize = 4;
 /// The tuner aims below the budget: its seeds are few, and the jitter of other seeds scatters.
 const AIM: f64 = 0.95;
 /// Where "less than twice the undisturbed jitter" is aimed at, for the same reason.
@@ -118,23 +121,32 @@ fn constrained(trial: &mut Trial<'_>, task: &Task, best: Score) -> Result<Score,
     let budget = AIM * task.budget_percent;
     let jitter = trial.jitter_after_tilt(first, 1.0, 0.0)?;
     score.violation += over(jitter, 1.5 * budget);
-    for (factor, delay) in [(2.0, 0.0), (1.0, DELAY_DEMANDED_S), (1.5, 0.0)] {
-        if score.violation > best.violation {
-            return Ok(score);
+    for (factor, delay, seeds) in DEMANDED {
+        for seed in task.seeds.iter().take(seeds) {
+            if score.violation > best.violation {
+                return Ok(score);
+            }
+            score.violation += over(trial.jitter_after_tilt(*seed, factor, delay)?, 0.8 * QUIET_PERCENT);
         }
-        score.violation += over(trial.jitter_after_tilt(first, factor, delay)?, 0.8 * QUIET_PERCENT);
     }
     if score.violation > best.violation {
         return Ok(score);
     }
-    let (mut after, mut before) = (0.0, 0.0);
-    for seed in &task.seeds {
-        let a = trial.jitter_after_tilt(*seed, 1.0, 0.0)?.min(1e3);
-        let b = trial.jitter_undisturbed(*seed)?.min(1e3);
-        (after, before) = (after + a * a, before + b * b);
-    }
     let count = task.seeds.len().max(1) as f64;
-    let (after, before) = ((after / count).root(), (before / count).root());
-    score.violation += over(after, budget) + over(after, AIM_RATIO * before.max(1e-9));
+    let mut after = 0.0;
+    for seed in &task.seeds {
+        after += trial.jitter_after_tilt(*seed, 1.0, 0.0)?.min(1e3).powi(2) / count;
+        // The sum only grows: once it is over by more than can win, the rest need not run.
+        if score.violation + over(after.root(), budget) > best.violation {
+            score.violation += over(after.root(), budget);
+            return Ok(score);
+        }
+    }
+    let (mut again, mut before) = (0.0, 0.0);
+    for seed in task.seeds.iter().take(REST_SEEDS) {
+        again += trial.jitter_after_tilt(*seed, 1.0, 0.0)?.min(1e3).powi(2);
+        before += trial.jitter_undisturbed(*seed)?.min(1e3).powi(2);
+    }
+    score.violation += over(after.root(), budget) + over((again / before.most(1e-18)).root(), AIM_RATIO);
     Ok(score)
 }
