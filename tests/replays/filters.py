@@ -58,8 +58,63 @@ def bank(document: dict[str, Any]) -> dict[str, np.ndarray]:
 
 
 def singer_family(document: dict[str, Any]) -> dict[str, np.ndarray]:
-    raise NotImplementedError
+    trace = sr.Filter(singer_config(document)).run(samples(document), trace=True)
+    return {
+        "est": trace.rate,
+        "accel": trace.acceleration,
+        "var": trace.variance,
+        "mu": trace.probability,
+        "alpha": trace.alpha,
+        "lam": trace.fading,
+        "S": trace.innovation_variance,
+        "nu": trace.innovation,
+        "model_rate": trace.model_rate,
+    }
+
+
+def singer_config(document: dict[str, Any]) -> sr.Config:
+    p = document["params"]
+    period = document["T"]
+    rate = [row[0] for row in p["P0"]]
+    acceleration = [row[1] for row in p["P0"]]
+    common = {
+        "sample_rate_hz": 1.0 / period,
+        "noise": sr.GyroNoise(density_dps_sqrt_hz=math.sqrt(p["R"][0] * period)),
+    }
+    models = {
+        "alpha_per_s": p["alpha0"],
+        "accel_max_dps2": [math.sqrt(3.0 * variance) for variance in p["sm2"]],
+        "measurement_variance": p["R"],
+        "initial_rate_variance": rate,
+        "initial_acceleration_variance": acceleration,
+    }
+    if len(p["alpha0"]) == 1:
+        return sr.SingerKf(**common, **{name: value[0] for name, value in models.items()})
+    models |= {"transition": [*p["PI"][0], *p["PI"][1]], "initial_probability": p["mu0"]}
+    alpha_moves = p["mix_alpha"] or p["jac"] or any(p["qth"])
+    if not (p["fading"] or p["ps"] or alpha_moves):
+        return sr.SingerImmKf(**common, **models)
+    return sr.MsImmIkfPaper(
+        **common,
+        **models,
+        mode="paper",
+        initial_alpha_variance=[row[2] for row in p["P0"]],
+        alpha_noise_density=p["qth"],
+        alpha_mixing="shared" if p["mix_alpha"] else "private",
+        jacobian="exact" if p["jac"] else "printed",
+        fading=("none", "absolute", "signed")[p["fading"]],
+        fading_source="measurement",
+        fading_scale=p["fc"],
+        fading_scope="all" if p["fade_alpha_row"] else "rate-acceleration",
+        fading_gate=("always", "while-moving", "second-model-while-moving")[p["fgate"]],
+        static_stay_probability=p["ps"],
+        static_alpha_per_s=p["alpha3"],
+    )
 
 
 def closed_forms(rows: list[dict[str, Any]]) -> dict[str, np.ndarray]:
-    raise NotImplementedError
+    found = {}
+    for index, row in enumerate(rows):
+        coefficients = sr.singer_coefficients(row["alpha"], row["T"])._asdict()
+        found |= {f"{index}/{name}": np.array(value) for name, value in coefficients.items()}
+    return found

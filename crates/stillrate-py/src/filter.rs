@@ -6,6 +6,7 @@ use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyUntypedArr
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
+use stillrate::models::SingerCoefficients;
 use stillrate_lab::runner::{self, Precision, Runner, Sink, Source, Timing, Trace};
 
 use crate::convert::{Samples, config_error, samples_from, settings_from, settings_to, table_of};
@@ -13,6 +14,7 @@ use crate::convert::{Samples, config_error, samples_from, settings_from, setting
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Filter>()?;
     module.add_function(wrap_pyfunction!(resolve, module)?)?;
+    module.add_function(wrap_pyfunction!(singer_coefficients, module)?)?;
     module.add_function(wrap_pyfunction!(method_names, module)?)
 }
 
@@ -20,6 +22,18 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 #[pyfunction]
 fn method_names() -> Vec<&'static str> {
     runner::method_names()
+}
+
+/// r, s, q11, q12, q22 of a Singer model for unit driving noise.
+#[pyfunction]
+fn singer_coefficients(alpha_per_s: f64, dt_s: f64, single: bool) -> (f64, f64, f64, f64, f64) {
+    if single {
+        let c = SingerCoefficients::new(alpha_per_s as f32, dt_s as f32);
+        (c.r.into(), c.s.into(), c.q11.into(), c.q12.into(), c.q22.into())
+    } else {
+        let c = SingerCoefficients::new(alpha_per_s, dt_s);
+        (c.r, c.s, c.q11, c.q12, c.q22)
+    }
 }
 
 /// Checks settings and returns them complete.

@@ -17,11 +17,15 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+pub mod adaptive;
 pub mod block;
 pub mod elementary;
 pub mod error;
 pub mod filter;
 pub mod filters;
+pub mod gaussian;
+mod imm;
+mod kalman;
 pub mod models;
 pub mod noise;
 pub mod real;

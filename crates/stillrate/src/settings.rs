@@ -65,7 +65,10 @@ macro_rules! methods {
     ($callback:ident) => {
         $callback! {
             MsImmIkfSettings,
-            Pt1Settings
+            MsImmIkfPaperSettings,
+            Pt1Settings,
+            SingerImmKfSettings,
+            SingerKfSettings
         }
     };
 }

@@ -8,9 +8,9 @@
 //! Departures from the textbook cycle: the acceleration of other models is capped when an oscillator takes it over, the frequency
 //! and the prior variances have memories of their own, and rest has a longer dwell time than motion.
 
-use super::bank::frequency::{FrequencyMemory, MotionMoments};
-use super::bank::mix::{Moments2, Moments4};
+use crate::adaptive::manoeuvre_frequency::{FrequencyMemory, MotionMoments};
 use crate::filter::{Checked, Estimate, Filter, Flags, Observer, Sample};
+use crate::gaussian::{Gaussian2, Gaussian4};
 use crate::models::SingerCoefficients;
 use crate::models::oscillator::OscillatorStep;
 use crate::real::Real;
@@ -122,9 +122,9 @@ reals! {
         /// Random walk: rate and its variance.
         pub walk: [T; 2],
         /// Rungs: rate and acceleration.
-        pub rung: [Moments2<T>; 8],
+        pub rung: [Gaussian2<T>; 8],
         /// Oscillators: rate and three derivatives.
-        pub oscillator: [Moments4<T>; 6],
+        pub oscillator: [Gaussian4<T>; 6],
         /// Probability of the random walk.
         pub walk_probability: T,
         /// Probabilities of the rungs.
@@ -193,8 +193,8 @@ impl<T: Real> MsImmIkf<T> {
         MsImmIkfState {
             started: zero,
             walk: [zero, all(r)],
-            rung: [Moments2 { mean: [zero; 2], covariance: [all(r), zero, all(v1)] }; RUNGS],
-            oscillator: [Moments4 { mean: [zero; 4], covariance }; OSCILLATORS],
+            rung: [Gaussian2 { mean: [zero; 2], covariance: [all(r), zero, all(v1)] }; RUNGS],
+            oscillator: [Gaussian4 { mean: [zero; 4], covariance }; OSCILLATORS],
             walk_probability: even,
             rung_probability: [even; RUNGS],
             oscillator_probability: [even; OSCILLATORS],

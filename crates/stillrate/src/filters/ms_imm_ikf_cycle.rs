@@ -3,10 +3,11 @@
 //! Each stage is a loop over the models with a loop over the channels inside; the latter is straight-line code that the compiler
 //! turns into vector instructions. The order of every sum over models is fixed: random walk, rungs, oscillators.
 
-use super::bank::mix::{Moments2, Sums2, Sums4, capped};
-use super::bank::update::{Evidence, Reading, predict_oscillator, predict_singer, update2, update4};
 use super::ms_imm_ikf::{MsImmIkf, OSCILLATORS, PROBABILITY_FLOOR, Pace, RUNGS, Wide};
 use crate::filter::{Checked, Flags, ModelTrace, Observer};
+use crate::gaussian::Gaussian2;
+use crate::imm::{Sums2, Sums4, capped};
+use crate::kalman::{Evidence, Reading, predict_oscillator, predict_singer, update2, update4};
 use crate::real::Real;
 use crate::reals::{Lane, Lanes};
 
@@ -159,8 +160,8 @@ impl<T: Real> MsImmIkf<T> {
 
     /// The random walk with the acceleration it lacks.
     #[inline(always)]
-    fn rest<const W: usize>(&self, s: &Wide<T, W>, c: usize) -> Moments2<T> {
-        Moments2 { mean: [s.walk[0].0[c], T::ZERO], covariance: [s.walk[1].0[c], T::ZERO, self.missing_acceleration] }
+    fn rest<const W: usize>(&self, s: &Wide<T, W>, c: usize) -> Gaussian2<T> {
+        Gaussian2 { mean: [s.walk[0].0[c], T::ZERO], covariance: [s.walk[1].0[c], T::ZERO, self.missing_acceleration] }
     }
 
     #[inline(always)]
@@ -263,7 +264,7 @@ impl<T: Real> MsImmIkf<T> {
         // The first sample sets every model to (z, 0, 0, 0).
         let first: [bool; W] = core::array::from_fn(|c| used[c] && s.started.0[c] == T::ZERO);
         for c in 0..W {
-            let predicted = Moments2 {
+            let predicted = Gaussian2 {
                 mean: [T::select(first[c], checked[c].value, s.walk[0].0[c]), T::ZERO],
                 covariance: [s.walk[1].0[c], T::ZERO, self.missing_acceleration],
             };
@@ -279,7 +280,7 @@ impl<T: Real> MsImmIkf<T> {
                 predicted.mean = core::array::from_fn(|k| first_mean(first[c], checked[c].value, old.mean[k], k));
                 let (updated, evidence) = update2(&predicted, &reading(c));
                 weights.set(1 + j, c, weights.prior[1 + j][c], &evidence);
-                let kept = Moments2 {
+                let kept = Gaussian2 {
                     mean: core::array::from_fn(|k| T::select(used[c], updated.mean[k], old.mean[k]).flushed()),
                     covariance: core::array::from_fn(|k| T::select(used[c], updated.covariance[k], old.covariance[k])),
                 };

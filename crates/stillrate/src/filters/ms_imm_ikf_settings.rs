@@ -1,7 +1,7 @@
 //! Settings of the recommended bank and the numbers that follow from them.
 
-use super::bank::frequency::FrequencyMemory;
 use super::ms_imm_ikf::{MsImmIkf, NOISE_SHARE, OSCILLATORS, Pace, RUNGS};
+use crate::adaptive::manoeuvre_frequency::FrequencyMemory;
 use crate::error::{ConfigError, not_negative, positive};
 use crate::noise::{GyroNoise, RANGE_SIGMAS};
 use crate::real::Real;

@@ -1,4 +1,5 @@
 //! One motion model a file: its transition and process noise over a time step.
+pub(crate) mod modified_singer;
 pub mod oscillator;
 mod singer;
 

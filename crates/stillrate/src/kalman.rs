@@ -1,9 +1,9 @@
-//! Prediction and measurement update of the bank's models, for H = (1, 0, ...).
+//! Kalman prediction and measurement update for H = (1, 0, ...), using the structure of every model.
 //!
 //! Predictions use the structure of F; updates use that H picks the rate, which makes the gain the first column of P over S and
 //! the updated first row R/S times the old one (the symmetric form of Joseph's, without its cancellation).
 
-use super::mix::{Moments2, Moments4};
+use crate::gaussian::{Gaussian2, Gaussian3, Gaussian4};
 use crate::models::SingerCoefficients;
 use crate::models::oscillator::OscillatorStep;
 use crate::real::Real;
@@ -35,11 +35,15 @@ const OUTLIER_VARIANCE: f64 = 1e4;
 
 /// Singer prediction: F = [[1, r], [0, s]], Q = `intensity` times the unit process noise.
 #[inline(always)]
-pub(crate) fn predict_singer<T: Real>(mixed: &Moments2<T>, step: &SingerCoefficients<T>, intensity: T) -> Moments2<T> {
+pub(crate) fn predict_singer<T: Real>(
+    mixed: &Gaussian2<T>,
+    step: &SingerCoefficients<T>,
+    intensity: T,
+) -> Gaussian2<T> {
     let [x0, x1] = mixed.mean;
     let [p00, p01, p11] = mixed.covariance;
     let p01r = p01 + step.r * p11;
-    Moments2 {
+    Gaussian2 {
         mean: [x0 + step.r * x1, step.s * x1],
         covariance: [
             p00 + step.r * (p01 + p01r) + intensity * step.q11,
@@ -51,7 +55,11 @@ pub(crate) fn predict_singer<T: Real>(mixed: &Moments2<T>, step: &SingerCoeffici
 
 /// Oscillator prediction; the process noise is `intensity` times the unit one.
 #[inline(always)]
-pub(crate) fn predict_oscillator<T: Real>(mixed: &Moments4<T>, step: &OscillatorStep<T>, intensity: T) -> Moments4<T> {
+pub(crate) fn predict_oscillator<T: Real>(
+    mixed: &Gaussian4<T>,
+    step: &OscillatorStep<T>,
+    intensity: T,
+) -> Gaussian4<T> {
     let (a, b, h) = (&step.from_rate, &step.from_acceleration, &step.response);
     let x = &mixed.mean;
     let p = &mixed.covariance;
@@ -60,7 +68,7 @@ pub(crate) fn predict_oscillator<T: Real>(mixed: &Moments4<T>, step: &Oscillator
     let rows = [[p[0], p[1], p[2], p[3]], [p[1], p[4], p[5], p[6]], [p[2], p[5], p[7], p[8]], [p[3], p[6], p[8], p[9]]];
     let fp: [[T; 4]; 4] = core::array::from_fn(|r| core::array::from_fn(|c| row(r, rows[c])));
     let q = &step.noise;
-    Moments4 {
+    Gaussian4 {
         mean: core::array::from_fn(|r| row(r, *x)),
         covariance: [
             row(0, fp[0]) + intensity * q[0],
@@ -111,11 +119,11 @@ fn weigh<T: Real>(predicted_rate: T, rate_variance: T, reading: &Reading<T>) -> 
 
 /// Updates rate and acceleration.
 #[inline(always)]
-pub(crate) fn update2<T: Real>(predicted: &Moments2<T>, reading: &Reading<T>) -> (Moments2<T>, Evidence<T>) {
+pub(crate) fn update2<T: Real>(predicted: &Gaussian2<T>, reading: &Reading<T>) -> (Gaussian2<T>, Evidence<T>) {
     let [p00, p01, p11] = predicted.covariance;
     let (evidence, move_by, shrink, left) = weigh(predicted.mean[0], p00, reading);
     let step = move_by * evidence.innovation;
-    let moments = Moments2 {
+    let moments = Gaussian2 {
         mean: [predicted.mean[0] + p00 * step, predicted.mean[1] + p01 * step],
         covariance: [p00 * left, p01 * left, p11 - p01 * p01 * shrink],
     };
@@ -124,12 +132,12 @@ pub(crate) fn update2<T: Real>(predicted: &Moments2<T>, reading: &Reading<T>) ->
 
 /// Updates a four-component state.
 #[inline(always)]
-pub(crate) fn update4<T: Real>(predicted: &Moments4<T>, reading: &Reading<T>) -> (Moments4<T>, Evidence<T>) {
+pub(crate) fn update4<T: Real>(predicted: &Gaussian4<T>, reading: &Reading<T>) -> (Gaussian4<T>, Evidence<T>) {
     let p = &predicted.covariance;
     let (evidence, move_by, shrink, left) = weigh(predicted.mean[0], p[0], reading);
     let step = move_by * evidence.innovation;
     let (k1, k2, k3) = (p[1] * shrink, p[2] * shrink, p[3] * shrink);
-    let moments = Moments4 {
+    let moments = Gaussian4 {
         mean: core::array::from_fn(|k| predicted.mean[k] + p[k] * step),
         covariance: [
             p[0] * left,
@@ -143,6 +151,28 @@ pub(crate) fn update4<T: Real>(predicted: &Moments4<T>, reading: &Reading<T>) ->
             p[8] - k2 * p[3],
             p[9] - k3 * p[3],
         ],
+    };
+    (moments, evidence)
+}
+
+impl<T: Real> Reading<T> {
+    /// An ordinary reading, without the outlier model.
+    #[inline(always)]
+    pub(crate) fn plain(value: T, variance: T) -> Self {
+        Self { value, variance, outlier_probability: T::ZERO }
+    }
+}
+
+/// Updates a state with a parameter.
+#[inline(always)]
+pub(crate) fn update3<T: Real>(predicted: &Gaussian3<T>, reading: &Reading<T>) -> (Gaussian3<T>, Evidence<T>) {
+    let p = &predicted.covariance;
+    let (evidence, move_by, shrink, left) = weigh(predicted.mean[0], p[0], reading);
+    let step = move_by * evidence.innovation;
+    let (k1, k2) = (p[1] * shrink, p[2] * shrink);
+    let moments = Gaussian3 {
+        mean: core::array::from_fn(|k| predicted.mean[k] + p[k] * step),
+        covariance: [p[0] * left, p[1] * left, p[2] * left, p[3] - k1 * p[1], p[4] - k1 * p[2], p[5] - k2 * p[2]],
     };
     (moments, evidence)
 }

@@ -1,4 +1,6 @@
-//! Interaction of the models in time linear in their number (Blom and Bar-Shalom 1988, for a row-uniform transition matrix).
+//! Interacting multiple models: mixing, prior and posterior probabilities (Blom and Bar-Shalom, IEEE Trans. AC-33, 1988).
+//!
+//! Two forms of mixing stand here: for two models with any transition matrix, and for any number of models in time linear in it.
 //!
 //! With one dwell time a model, pi_ii = 1 - e_i and pi_ij = e_i / (n - 1) = u_i. The mixed moments of target j are then one common sum
 //! over all models with weights g_i = mu_i u_i, plus the model's own with the extra weight (1 - e_j) mu_j - g_j. Sums are
@@ -7,32 +9,13 @@
 //! Singer rungs and the random walk lack the higher derivatives: there they are zero with a given variance. For
 //! oscillator targets the acceleration of all other sources is capped (specification 4.3a).
 
+use crate::gaussian::{Gaussian2, Gaussian3, Gaussian4};
 use crate::real::Real;
 use crate::reals;
 
 reals! {
-    /// A mean and a packed covariance (00 01 02 03 11 12 13 22 23 33) of a four-component state.
-    pub struct Moments4 {
-        /// Mean.
-        pub mean: [T; 4],
-        /// Packed covariance.
-        pub covariance: [T; 10],
-    }
-}
-
-reals! {
-    /// A mean and a packed covariance (00 01 11) of rate and acceleration.
-    pub struct Moments2 {
-        /// Mean.
-        pub mean: [T; 2],
-        /// Packed covariance.
-        pub covariance: [T; 3],
-    }
-}
-
-reals! {
     /// Weighted sums over sources of deviations from the centre and of second moments about it.
-    pub struct Sums4 {
+    pub(crate) struct Sums4 {
         /// Sum of the weights.
         pub weight: T,
         /// Weighted deviations from the centre.
@@ -44,7 +27,7 @@ reals! {
 
 reals! {
     /// [`Sums4`] for rate and acceleration only.
-    pub struct Sums2 {
+    pub(crate) struct Sums2 {
         /// Sum of the weights.
         pub weight: T,
         /// Weighted deviations from the centre.
@@ -57,7 +40,7 @@ reals! {
 impl<T: Real> Sums2<T> {
     /// Adds a source.
     #[inline(always)]
-    pub(crate) fn add(&mut self, weight: T, source: &Moments2<T>, centre: [T; 4]) {
+    pub(crate) fn add(&mut self, weight: T, source: &Gaussian2<T>, centre: [T; 4]) {
         let d0 = source.mean[0] - centre[0];
         let d1 = source.mean[1] - centre[1];
         let (w0, w1) = (weight * d0, weight * d1);
@@ -85,13 +68,13 @@ impl<T: Real> Sums2<T> {
 
     /// The mixed moments of a target that adds itself with an extra weight, and its prior probability.
     #[inline(always)]
-    pub(crate) fn mixed(&self, extra: T, own: &Moments2<T>, centre: [T; 4]) -> (T, Moments2<T>) {
+    pub(crate) fn mixed(&self, extra: T, own: &Gaussian2<T>, centre: [T; 4]) -> (T, Gaussian2<T>) {
         let mut sum = *self;
         sum.add(extra, own, centre);
         let inverse = T::ONE / sum.weight;
         let m0 = sum.first[0] * inverse;
         let m1 = sum.first[1] * inverse;
-        let moments = Moments2 {
+        let moments = Gaussian2 {
             mean: [centre[0] + m0, centre[1] + m1],
             covariance: [
                 sum.second[0] * inverse - m0 * m0,
@@ -129,7 +112,7 @@ impl<T: Real> Sums2<T> {
 impl<T: Real> Sums4<T> {
     /// Adds a source.
     #[inline(always)]
-    pub(crate) fn add(&mut self, weight: T, source: &Moments4<T>, centre: [T; 4]) {
+    pub(crate) fn add(&mut self, weight: T, source: &Gaussian4<T>, centre: [T; 4]) {
         let d: [T; 4] = core::array::from_fn(|k| source.mean[k] - centre[k]);
         let w = d.map(|value| weight * value);
         self.weight += weight;
@@ -154,13 +137,13 @@ impl<T: Real> Sums4<T> {
 
     /// The mixed moments of a target that adds itself with an extra weight, and its prior probability.
     #[inline(always)]
-    pub(crate) fn mixed(&self, extra: T, own: &Moments4<T>, centre: [T; 4]) -> (T, Moments4<T>) {
+    pub(crate) fn mixed(&self, extra: T, own: &Gaussian4<T>, centre: [T; 4]) -> (T, Gaussian4<T>) {
         let mut sum = *self;
         sum.add(extra, own, centre);
         let inverse = T::ONE / sum.weight;
         let m = sum.first.map(|value| value * inverse);
         let products = outer(m, m);
-        let moments = Moments4 {
+        let moments = Gaussian4 {
             mean: core::array::from_fn(|k| centre[k] + m[k]),
             covariance: core::array::from_fn(|k| sum.second[k] * inverse - products[k]),
         };
@@ -187,13 +170,69 @@ fn outer<T: Real>(a: [T; 4], b: [T; 4]) -> [T; 10] {
 
 /// A source whose acceleration is pulled towards the fused one until its second moment fits `cap` (4.3a).
 #[inline(always)]
-pub(crate) fn capped<T: Real>(source: &Moments2<T>, fused_acceleration: T, cap: T) -> Moments2<T> {
+pub(crate) fn capped<T: Real>(source: &Gaussian2<T>, fused_acceleration: T, cap: T) -> Gaussian2<T> {
     let deviation = source.mean[1] - fused_acceleration;
     let moment = source.covariance[2] + deviation * deviation;
     let square = T::select(cap < moment, cap / moment, T::ONE);
     let shrink = square.root();
-    Moments2 {
+    Gaussian2 {
         mean: [source.mean[0], fused_acceleration + shrink * deviation],
         covariance: [source.covariance[0], shrink * source.covariance[1], square * source.covariance[2]],
     }
+}
+
+/// Prior probabilities c_j = sum_i pi_ij mu_i of two models, and the weights pi_0j mu_0 / c_j of the first source.
+#[inline(always)]
+pub(crate) fn interact<T: Real>(transition: &[[T; 2]; 2], probability: &[T; 2]) -> ([T; 2], [T; 2]) {
+    let prior = [
+        transition[0][0] * probability[0] + transition[1][0] * probability[1],
+        transition[0][1] * probability[0] + transition[1][1] * probability[1],
+    ];
+    // A target that no source reaches keeps an even mixture, not 0/0.
+    let share = |j: usize| {
+        let reachable = prior[j] > T::ZERO;
+        let weight = transition[0][j] * probability[0] / T::select(reachable, prior[j], T::ONE);
+        T::select(reachable, weight, T::HALF)
+    };
+    (prior, [share(0), share(1)])
+}
+
+/// Mixture of two states, the first with weight `w`.
+#[inline(always)]
+pub(crate) fn mix2<T: Real>(w: T, a: &Gaussian2<T>, b: &Gaussian2<T>) -> Gaussian2<T> {
+    let v = T::ONE - w;
+    let d: [T; 2] = core::array::from_fn(|k| a.mean[k] - b.mean[k]);
+    let spread = w * v;
+    let products = [d[0] * d[0], d[0] * d[1], d[1] * d[1]];
+    Gaussian2 {
+        mean: core::array::from_fn(|k| w * a.mean[k] + v * b.mean[k]),
+        covariance: core::array::from_fn(|k| w * a.covariance[k] + v * b.covariance[k] + spread * products[k]),
+    }
+}
+
+/// Mixture of two states with a parameter, the first with weight `w`.
+#[inline(always)]
+pub(crate) fn mix3<T: Real>(w: T, a: &Gaussian3<T>, b: &Gaussian3<T>) -> Gaussian3<T> {
+    let v = T::ONE - w;
+    let d: [T; 3] = core::array::from_fn(|k| a.mean[k] - b.mean[k]);
+    let spread = w * v;
+    let products = [d[0] * d[0], d[0] * d[1], d[0] * d[2], d[1] * d[1], d[1] * d[2], d[2] * d[2]];
+    Gaussian3 {
+        mean: core::array::from_fn(|k| w * a.mean[k] + v * b.mean[k]),
+        covariance: core::array::from_fn(|k| w * a.covariance[k] + v * b.covariance[k] + spread * products[k]),
+    }
+}
+
+/// Posterior probabilities of two models: one exponential serves both. Missing evidence leaves the prior.
+///
+/// Erratum: eq. 28 of the source paper misses the exponent's division by S and the normalisation; used is
+/// mu_i = c_i (2 pi S_i)^-1/2 exp(-nu_i^2 / (2 S_i)) / sum.
+#[inline(always)]
+pub(crate) fn weigh2<T: Real>(prior: &[T; 2], exponent: &[T; 2], factor: &[T; 2], used: bool) -> [T; 2] {
+    let difference = exponent[1] - exponent[0];
+    let lesser = (-difference.magnitude()).exponential();
+    let first = prior[0] * factor[0] * T::select(difference > T::ZERO, lesser, T::ONE);
+    let second = prior[1] * factor[1] * T::select(difference > T::ZERO, T::ONE, lesser);
+    let inverse = T::ONE / (first + second);
+    [T::select(used, first * inverse, prior[0]), T::select(used, second * inverse, prior[1])]
 }

@@ -1,0 +1,45 @@
+//! Fading factors: lambda >= 1 multiplies the predicted covariance when measurements exceed what the model expects.
+//!
+//! With C = (Delta - Q11 - R) / B11, B11 = (F P F')_11, lambda = max(1, C). The printed filter takes
+//! Delta = sqrt(1/2) z^2 and |C|; the sound forms take the innovation, nu^2, or its windowed mean.
+//!
+//! Erratum: the printed Delta uses the measurement z instead of the innovation, and the absolute value fires on small z as
+//! well. Both are kept as options because published figures depend on them.
+
+use crate::real::Real;
+
+/// Where Delta comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FadingSource {
+    /// The measurement itself, as printed.
+    Measurement,
+    /// The innovation.
+    Innovation,
+    /// The innovation's mean square with a forgetting factor (strong tracking; Zhou and Frank 1996).
+    Windowed,
+}
+
+/// Whether the sign of C counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FadingForm {
+    /// No fading at all.
+    None,
+    /// |C|, as printed.
+    Absolute,
+    /// C.
+    Signed,
+}
+
+/// The fading factor for Delta = `scale` times `square`, unfaded rate variance `b11`, process noise `q11` and measurement
+/// variance `r` softened by `softening`.
+#[inline(always)]
+pub(crate) fn fading_factor<T: Real>(form: FadingForm, delta: T, b11: T, q11: T, r: T) -> T {
+    let excess = delta - q11 - r;
+    let ratio = match form {
+        FadingForm::None => T::ONE,
+        FadingForm::Absolute => excess.magnitude() / b11.magnitude(),
+        FadingForm::Signed => excess / b11,
+    };
+    // max(1, NaN) must be 1: a degenerate ratio fades nothing.
+    T::select(ratio > T::ONE, ratio, T::ONE)
+}

@@ -1,0 +1,299 @@
+//! Singer-IMM-KF: two Singer models, one for rest and one for motion, interacting (Blom and Bar-Shalom 1988).
+//!
+//! The defaults are those that reproduce the published static figures: alpha .001 and .01 /s, largest acceleration 1.5
+//! and 30 deg/s^2, sigma_m^2 = A_max^2 / 3, probability of staying .95 a sample.
+
+use crate::error::{ConfigError, positive};
+use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
+use crate::gaussian::Gaussian2;
+use crate::imm::{interact, mix2, weigh2};
+use crate::kalman::{Reading, predict_singer, update2};
+use crate::models::SingerCoefficients;
+use crate::noise::{GyroNoise, RANGE_SIGMAS};
+use crate::real::Real;
+use crate::reals;
+use crate::settings::{Settings, Visit, visit_noise};
+
+/// Settings of [`SingerImmKf`]: two of everything, rest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SingerImmKfSettings {
+    /// Nominal sample rate, Hz.
+    pub sample_rate_hz: f64,
+    /// The gyro's noise.
+    pub noise: GyroNoise,
+    /// Reciprocal manoeuvre time constants, 1/s; default .001, .01.
+    pub alpha_per_s: [f64; 2],
+    /// Largest accelerations, deg/s^2; default 1.5, 30.
+    pub accel_max_dps2: [f64; 2],
+    /// Transition probabilities a sample, row by row (from first to first, from first to second, ...); default .95 .05 .05 .95.
+    pub transition: [f64; 4],
+    /// Probabilities before the first sample; default .5, .5.
+    pub initial_probability: [f64; 2],
+    /// Variances of a sample, (deg/s)^2; default that of the noise at the sample rate.
+    pub measurement_variance: [f64; 2],
+    /// Variances of the rate before the first sample, (deg/s)^2; default the same.
+    pub initial_rate_variance: [f64; 2],
+    /// Variances of the acceleration before the first sample, (deg/s^2)^2; default 1, 100.
+    pub initial_acceleration_variance: [f64; 2],
+}
+
+impl Settings for SingerImmKfSettings {
+    const METHOD: &'static str = "singer-imm-kf";
+    type Filter<T: Real> = SingerImmKf<T>;
+
+    fn defaults(sample_rate_hz: f64, noise: GyroNoise) -> Self {
+        let variance = noise.sample_variance(sample_rate_hz);
+        Self {
+            sample_rate_hz,
+            noise,
+            alpha_per_s: [0.001, 0.01],
+            accel_max_dps2: [1.5, 30.0],
+            transition: [0.95, 0.05, 0.05, 0.95],
+            initial_probability: [0.5, 0.5],
+            measurement_variance: [variance; 2],
+            initial_rate_variance: [variance; 2],
+            initial_acceleration_variance: [1.0, 100.0],
+        }
+    }
+
+    fn visit<V: Visit>(&mut self, visitor: &mut V) {
+        visitor.number("sample_rate_hz", &mut self.sample_rate_hz);
+        visit_noise(visitor, &mut self.noise);
+        let mut pair = |name, values: &mut [f64]| visit_pair(visitor, name, values);
+        pair("alpha_per_s", &mut self.alpha_per_s);
+        pair("accel_max_dps2", &mut self.accel_max_dps2);
+        pair("transition", &mut self.transition);
+        pair("initial_probability", &mut self.initial_probability);
+        pair("measurement_variance", &mut self.measurement_variance);
+        pair("initial_rate_variance", &mut self.initial_rate_variance);
+        pair("initial_acceleration_variance", &mut self.initial_acceleration_variance);
+    }
+
+    fn build<T: Real>(&self) -> Result<SingerImmKf<T>, ConfigError> {
+        let period = 1.0 / positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
+        let mut model = [SingerImmModel::NONE; 2];
+        let mut limit = 0.0_f64;
+        for (i, model) in model.iter_mut().enumerate() {
+            let (alpha, intensity) = singer_model(self.alpha_per_s[i], self.accel_max_dps2[i])?;
+            let variance = positive("measurement_variance", self.measurement_variance[i], "(deg/s)^2")?;
+            let rate = positive("initial_rate_variance", self.initial_rate_variance[i], "(deg/s)^2")?;
+            let start = self.initial_acceleration_variance[i];
+            let start = positive("initial_acceleration_variance", start, "(deg/s^2)^2")?;
+            *model = SingerImmModel {
+                alpha: T::of(alpha),
+                intensity: T::of(intensity),
+                step: SingerCoefficients::new(T::of(alpha), T::of(period)),
+                measurement_variance: T::of(variance),
+                start_variance: [T::of(rate), T::of(start)],
+            };
+            limit = limit.most(RANGE_SIGMAS * variance.root());
+        }
+        Ok(SingerImmKf {
+            period_s: T::of(period),
+            model,
+            transition: transition_matrix(&self.transition)?,
+            start_probability: probability_pair(&self.initial_probability)?,
+            limit: T::of(limit),
+        })
+    }
+}
+
+/// Visits a list of fixed length. One value given serves all entries; a wrong count is refused when the filter is built.
+pub(crate) fn visit_pair<V: Visit>(visitor: &mut V, name: &'static str, values: &mut [f64]) {
+    let mut count = values.len();
+    visitor.list(name, values, &mut count);
+    match (count, values.first().copied()) {
+        (1, Some(value)) => values.fill(value),
+        (count, _) if count != values.len() => values.fill(f64::NAN),
+        _ => {}
+    }
+}
+
+/// Checks one Singer model: alpha and the driving noise density 2 alpha A_max^2 / 3.
+pub(crate) fn singer_model(alpha_per_s: f64, accel_max_dps2: f64) -> Result<(f64, f64), ConfigError> {
+    let alpha = positive("alpha_per_s", alpha_per_s, "1/s")?;
+    let accel_max = positive("accel_max_dps2", accel_max_dps2, "deg/s^2")?;
+    Ok((alpha, 2.0 * alpha * (accel_max * accel_max / 3.0)))
+}
+
+/// Checks a 2 x 2 transition matrix, row by row.
+pub(crate) fn transition_matrix<T: Real>(rows: &[f64; 4]) -> Result<[[T; 2]; 2], ConfigError> {
+    let range = "probabilities whose rows (from each model) sum to 1";
+    let refuse = |value| Err(ConfigError::new("transition", value, "", range));
+    for (stay, leave) in [(rows[0], rows[1]), (rows[2], rows[3])] {
+        if !(0.0..=1.0).contains(&stay) {
+            return refuse(stay);
+        }
+        let sum_off = (stay + leave - 1.0).magnitude();
+        if !(0.0..=1.0).contains(&leave) || sum_off > 1e-9 {
+            return refuse(leave);
+        }
+    }
+    Ok([[T::of(rows[0]), T::of(rows[1])], [T::of(rows[2]), T::of(rows[3])]])
+}
+
+/// Checks two probabilities that sum to 1.
+pub(crate) fn probability_pair<T: Real>(pair: &[f64; 2]) -> Result<[T; 2], ConfigError> {
+    let valid = pair.iter().all(|p| (0.0..=1.0).contains(p)) && (pair[0] + pair[1] - 1.0).magnitude() <= 1e-9;
+    if valid {
+        Ok(pair.map(T::of))
+    } else {
+        Err(ConfigError::new("initial_probability", pair[0], "", "two probabilities that sum to 1"))
+    }
+}
+
+/// One Singer model of the pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct SingerImmModel<T> {
+    /// Reciprocal time constant, 1/s.
+    pub alpha: T,
+    /// Density of the driving noise.
+    pub intensity: T,
+    /// Coefficients at the nominal period.
+    pub step: SingerCoefficients<T>,
+    /// Variance of a sample.
+    pub measurement_variance: T,
+    /// Variances of rate and acceleration at the first sample.
+    pub start_variance: [T; 2],
+}
+
+impl<T: Real> SingerImmModel<T> {
+    const NONE: Self = Self {
+        alpha: T::ZERO,
+        intensity: T::ZERO,
+        step: SingerCoefficients { r: T::ZERO, s: T::ZERO, q11: T::ZERO, q12: T::ZERO, q22: T::ZERO },
+        measurement_variance: T::ONE,
+        start_variance: [T::ONE; 2],
+    };
+}
+
+/// Two interacting Singer models.
+///
+/// # Example
+/// ```
+/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SingerImmKfSettings};
+/// let noise = GyroNoise::from_density_two_sided(0.015);
+/// let filter = SingerImmKfSettings::defaults(50.0, noise).build::<f64>()?;
+/// let mut state = filter.start();
+/// for k in 0..500 {
+///     filter.step(&mut state, Sample { value: if k % 2 == 0 { 0.1 } else { -0.1 }, dt: 0.02 });
+/// }
+/// assert!(state.probability[0] > 0.5); // at rest
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct SingerImmKf<T> {
+    /// Nominal sample period, s.
+    pub period_s: T,
+    /// The two models.
+    pub model: [SingerImmModel<T>; 2],
+    /// Transition probabilities `[from][to]` a sample.
+    pub transition: [[T; 2]; 2],
+    /// Probabilities before the first sample.
+    pub start_probability: [T; 2],
+    /// Values beyond this magnitude count as missing.
+    pub limit: T,
+}
+
+reals! {
+    /// State of [`SingerImmKf`].
+    pub struct SingerImmKfState {
+        /// Rate and acceleration of both models.
+        pub model: [Gaussian2<T>; 2],
+        /// Their probabilities.
+        pub probability: [T; 2],
+        /// 1 once a sample has been seen.
+        pub started: T,
+    }
+}
+
+impl<T: Real> Filter<T> for SingerImmKf<T> {
+    type State = SingerImmKfState<T>;
+
+    fn start(&self) -> Self::State {
+        SingerImmKfState {
+            model: self.model.map(|model| Gaussian2 {
+                mean: [T::ZERO; 2],
+                covariance: [model.start_variance[0], T::ZERO, model.start_variance[1]],
+            }),
+            probability: self.start_probability,
+            started: T::ZERO,
+        }
+    }
+
+    fn period(&self) -> T {
+        self.period_s
+    }
+
+    fn models(&self) -> usize {
+        2
+    }
+
+    #[inline(always)]
+    fn observe<O: Observer<T>>(&self, state: &mut Self::State, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
+        let checked = sample.check(self.limit, self.period_s);
+        let begins = checked.present && (state.started == T::ZERO || checked.restart);
+        let start = self.start();
+        let models: [Gaussian2<T>; 2] = core::array::from_fn(|i| {
+            let (old, new) = (&state.model[i], &start.model[i]);
+            Gaussian2 {
+                mean: [T::select(begins, checked.value, old.mean[0]), T::select(begins, T::ZERO, old.mean[1])],
+                covariance: core::array::from_fn(|k| T::select(begins, new.covariance[k], old.covariance[k])),
+            }
+        });
+        let probability: [T; 2] =
+            core::array::from_fn(|i| T::select(begins, start.probability[i], state.probability[i]));
+        let dt = T::select(checked.restart, self.period_s, checked.dt);
+        let (prior, weight) = interact(&self.transition, &probability);
+        let mut next = models;
+        let (mut exponent, mut factor) = ([T::ZERO; 2], [T::ONE; 2]);
+        let mut traces = [ModelTrace::default(); 2];
+        for i in 0..2 {
+            let model = &self.model[i];
+            let mixed = mix2(weight[i], &models[0], &models[1]);
+            let step = if dt == self.period_s { model.step } else { SingerCoefficients::new(model.alpha, dt) };
+            let predicted = predict_singer(&mixed, &step, model.intensity);
+            let (updated, evidence) = update2(&predicted, &Reading::plain(checked.value, model.measurement_variance));
+            next[i] = Gaussian2 {
+                mean: core::array::from_fn(|k| {
+                    T::select(checked.present, updated.mean[k], predicted.mean[k]).flushed()
+                }),
+                covariance: core::array::from_fn(|k| {
+                    T::select(checked.present, updated.covariance[k], predicted.covariance[k])
+                }),
+            };
+            exponent[i] = evidence.exponent;
+            factor[i] = evidence.factor;
+            traces[i] = ModelTrace {
+                probability: T::ZERO,
+                innovation: T::select(checked.present, evidence.innovation, T::of(f64::NAN)),
+                innovation_variance: evidence.innovation_variance,
+                fading: T::ONE,
+                alpha: model.alpha,
+                rate: next[i].mean[0],
+            };
+        }
+        let posterior = weigh2(&prior, &exponent, &factor, checked.present);
+        let runs = checked.moves && (begins || state.started != T::ZERO);
+        for i in 0..2 {
+            let (new, old) = (&next[i], state.model[i]);
+            state.model[i] = Gaussian2 {
+                mean: core::array::from_fn(|k| T::select(runs, new.mean[k], old.mean[k])),
+                covariance: core::array::from_fn(|k| T::select(runs, new.covariance[k], old.covariance[k])),
+            };
+            state.probability[i] = T::select(runs, posterior[i], state.probability[i]).flushed();
+            traces[i].probability = state.probability[i];
+            observer.model(i, traces[i]);
+        }
+        state.started = T::select(begins, T::ONE, state.started);
+        let fused = mix2(state.probability[0], &state.model[0], &state.model[1]);
+        Estimate {
+            rate: fused.mean[0],
+            acceleration: fused.mean[1],
+            variance: fused.covariance[0],
+            flags: checked.flags.with(Flags::NO_DATA_YET.when(state.started == T::ZERO)),
+        }
+    }
+}

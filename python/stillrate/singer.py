@@ -1,0 +1,37 @@
+"""Singer's motion model in closed form."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from stillrate import _native
+
+
+class SingerCoefficients(NamedTuple):
+    """Transition [[1, r], [0, s]] and process noise [[q11, q12], [q12, q22]] for unit driving noise density."""
+
+    r: float
+    s: float
+    q11: float
+    q12: float
+    q22: float
+
+
+def singer_coefficients(alpha_per_s: float, dt_s: float, dtype: str = "float64") -> SingerCoefficients:
+    """Return the Singer model's coefficients for one step, accurate for any alpha * dt.
+
+    Parameters
+    ----------
+    alpha_per_s : float
+        Reciprocal manoeuvre time constant in 1/s; 0 is constant acceleration.
+    dt_s : float
+        Step in s.
+    dtype : {"float64", "float32"}
+        Precision they are computed in.
+
+    Examples
+    --------
+    >>> singer_coefficients(0.0, 2.0).q12
+    2.0
+    """
+    return SingerCoefficients(*_native.singer_coefficients(alpha_per_s, dt_s, dtype == "float32"))
