@@ -54,10 +54,23 @@ impl Family {
         let mut chain = self.chain.clone();
         for (open, value) in self.open.iter().zip(parameters) {
             if let Some((_, settings)) = chain.get_mut(open.link) {
-                settings.insert(open.field.clone(), Value::Number(*value));
+                set(settings, &open.field, *value);
             }
         }
         chain
+    }
+}
+
+/// Sets a number, or item `i` of a list that is there for the field `name.i`.
+fn set(settings: &mut SettingsMap, field: &str, value: f64) {
+    if let Some((name, index)) = field.rsplit_once('.')
+        && let Ok(index) = index.parse::<usize>()
+        && let Some(Value::List(list)) = settings.get_mut(name)
+        && let Some(item) = list.get_mut(index)
+    {
+        *item = value;
+    } else {
+        settings.insert(field.into(), Value::Number(value));
     }
 }
 
@@ -96,6 +109,10 @@ pub fn standard(sample_rate_hz: f64, noise: GyroNoise) -> Vec<Family> {
         open,
         linear,
     };
+    // Transition probabilities of the specification's closed-loop study; the accelerations are tuned.
+    let mut singer = link("singer-imm-kf", &[]);
+    singer.1.insert("transition".into(), Value::List(vec![0.99, 0.01, 0.05, 0.95]));
+    singer.1.insert("accel_max_dps2".into(), Value::List(vec![1.5, 300.0]));
     let known = crate::runner::method_names();
     vec![
         family("none", true, vec![], vec![]),
@@ -108,7 +125,15 @@ pub fn standard(sample_rate_hz: f64, noise: GyroNoise) -> Vec<Family> {
             vec![link("one-euro", &[])],
             vec![open(0, "minimum_cutoff_hz", logarithmic(0.05, 10.0)), open(0, "beta", logarithmic(1e-3, 1.0))],
         ),
-        family("singer-imm-kf", false, vec![link("singer-imm-kf", &[])], vec![]),
+        family(
+            "singer-imm-kf",
+            false,
+            vec![singer],
+            vec![
+                open(0, "accel_max_dps2.0", logarithmic(0.1, 100.0)),
+                open(0, "accel_max_dps2.1", logarithmic(30.0, 10_000.0)),
+            ],
+        ),
         family(
             "ms-imm-ikf+pt1",
             false,

@@ -6,8 +6,9 @@
 
 use stillrate::{Filter, Sample};
 
+use super::discrete::Discrete;
 use crate::runner::{self, Precision, Runner};
-use crate::settings_map::{SettingsError, SettingsMap};
+use crate::settings_map::{SettingsError, SettingsMap, Value};
 
 /// A rate filter with its state.
 pub trait LoopFilter: Send {
@@ -82,14 +83,54 @@ impl LoopFilter for Series {
     }
 }
 
-/// A chain of methods by name, first to last; an empty chain is no filter.
+/// The filters of [`discrete`](super::discrete) by name: "loop-pt1" and "loop-butterworth" (`sample_rate_hz`, `cutoff_hz`), "loop-kalman"
+/// (`phi`, `ratio`).
+fn textbook(method: &str, settings: &SettingsMap) -> Result<Option<Discrete>, SettingsError> {
+    let number = |name: &str| match settings.get(name) {
+        Some(Value::Number(value)) => Ok(*value),
+        _ => Err(SettingsError::Text(format!("{method} needs the number {name}"))),
+    };
+    Ok(Some(match method {
+        "loop-pt1" => Discrete::pt1(number("sample_rate_hz")?, number("cutoff_hz")?)?,
+        "loop-butterworth" => Discrete::butterworth(number("sample_rate_hz")?, number("cutoff_hz")?)?,
+        "loop-kalman" => Discrete::kalman(number("phi")?, number("ratio")?)?,
+        _ => return Ok(None),
+    }))
+}
+
+/// A chain's linear equivalent, for the linearised loop: its one textbook or PT1 filter, else none (an adaptive filter that has opened).
+#[must_use]
+pub fn linear_equivalent(chain: &[(String, SettingsMap)]) -> Discrete {
+    let [(method, settings)] = chain else { return Discrete::None };
+    if let Ok(Some(filter)) = textbook(method, settings) {
+        return filter;
+    }
+    let number = |name: &str| match settings.get(name) {
+        Some(Value::Number(value)) => Some(*value),
+        _ => None,
+    };
+    match (method.as_str(), number("sample_rate_hz"), number("cutoff_hz")) {
+        // The library's PT1 is the backward Euler form.
+        ("pt1", Some(rate), Some(cutoff)) => {
+            let x = core::f64::consts::TAU * cutoff / rate;
+            Discrete::Pt1 { gain: x / (1.0 + x), level: None }
+        }
+        _ => Discrete::None,
+    }
+}
+
+/// A chain of methods by name, first to last; an empty chain is no filter. Names are the library's, and those of the textbook filters:
+/// "loop-pt1", "loop-butterworth", "loop-kalman".
 ///
 /// # Errors
 /// [`SettingsError`] of the first one that cannot be built.
 pub fn by_name(chain: &[(String, SettingsMap)]) -> Result<Box<dyn LoopFilter>, SettingsError> {
     let mut filters: Vec<Box<dyn LoopFilter>> = Vec::new();
     for (method, settings) in chain {
-        filters.push(Box::new(runner::build(method, settings, 1, Precision::Double)?));
+        filters.push(match textbook(method, settings)? {
+            Some(filter) => Box::new(filter),
+            None => Box::new(runner::build(method, settings, 1, Precision::Double)?),
+        });
     }
     Ok(Box::new(Series(filters)))
 }
