@@ -1,7 +1,9 @@
 //! The desk-side companion of [`stillrate`]: simulate, tune, analyse, compare. Everything here may allocate and
 //! use threads; everything that runs per sample lives in the core.
 
+pub mod allan;
 pub mod bounds;
+pub mod error;
 pub mod metrics;
 pub mod random;
 pub mod runner;
@@ -10,4 +12,5 @@ pub mod servo;
 pub mod settings_map;
 pub mod simulate;
 pub mod statistics;
+pub mod tune;
 pub mod wide;

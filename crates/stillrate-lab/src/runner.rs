@@ -157,7 +157,7 @@ pub fn build(
         return Err(ConfigError::new("channels", value, "", "a whole number from 1 to 1048576").into());
     }
     macro_rules! by_name {
-        ($($name:ident),*) => {
+        ($($name:ident),* $(,)?) => {
             match method {
                 $(<stillrate::filters::$name as Settings>::METHOD => {
                     start::<stillrate::filters::$name>(settings, channels, precision)
@@ -177,7 +177,7 @@ pub fn build(
 #[must_use]
 pub fn method_names() -> Vec<&'static str> {
     macro_rules! names {
-        ($($name:ident),*) => { vec![$(<stillrate::filters::$name as Settings>::METHOD),*] };
+        ($($name:ident),* $(,)?) => { vec![$(<stillrate::filters::$name as Settings>::METHOD),*] };
     }
     stillrate::methods!(names)
 }
@@ -216,7 +216,7 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
         let mut first = 0;
         while first < channels {
             let left = channels - first;
-            let used = if left >= T::WIDTH / 2 + 1 && T::WIDTH > 4 {
+            let used = if left > T::WIDTH / 2 && T::WIDTH > 4 {
                 let used = left.min(T::WIDTH);
                 T::run_widest(&self.filter, &mut self.states[first..first + used], first, table, timing, output);
                 used
@@ -463,7 +463,7 @@ impl<'a, T: Copy> Table<'a, T> {
     /// A table over contiguous, sample-major items; `None` if they do not divide into `channels`.
     #[must_use]
     pub fn contiguous(items: &'a [T], channels: usize) -> Option<Self> {
-        (channels > 0 && items.len() % channels == 0).then(|| Self {
+        (channels > 0 && items.len().is_multiple_of(channels)).then(|| Self {
             items,
             rows: items.len() / channels,
             channels,

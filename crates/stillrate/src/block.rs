@@ -37,10 +37,8 @@ pub fn load<T: Real, S: Reals<T>, const W: usize>(lanes: &[[T; W]], c: usize) ->
 pub fn store<T: Real, S: Reals<T>, const W: usize>(state: &S, lanes: &mut [[T; W]], c: usize) {
     let mut row = 0;
     state.scatter(&mut |number| {
-        if let Some(lane) = lanes.get_mut(row) {
-            if c < W {
-                lane[c] = number;
-            }
+        if let Some(slot) = lanes.get_mut(row).and_then(|lane| lane.get_mut(c)) {
+            *slot = number;
         }
         row += 1;
     });

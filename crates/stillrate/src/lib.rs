@@ -18,6 +18,7 @@
 extern crate std;
 
 pub mod adaptive;
+pub mod attitude;
 pub mod block;
 pub mod elementary;
 pub mod error;

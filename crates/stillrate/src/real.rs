@@ -72,6 +72,7 @@ pub trait Real:
     }
     /// Neither NaN nor infinite.
     #[inline(always)]
+    #[allow(clippy::eq_op)]
     fn finite(self) -> bool {
         // NaN and the infinities are the only numbers whose difference with themselves is not zero.
         self - self == Self::ZERO

@@ -56,7 +56,7 @@ pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
 /// # Example
 /// ```
 /// macro_rules! names {
-///     ($($settings:ident),*) => { [$(<stillrate::filters::$settings as stillrate::Settings>::METHOD),*] };
+///     ($($settings:ident),* $(,)?) => { [$(<stillrate::filters::$settings as stillrate::Settings>::METHOD),*] };
 /// }
 /// assert!(stillrate::methods!(names).contains(&"pt1"));
 /// ```
@@ -64,11 +64,21 @@ pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
 macro_rules! methods {
     ($callback:ident) => {
         $callback! {
-            MsImmIkfSettings,
+            ArKfSettings,
+            BiquadSettings,
+            CusumForgettingSettings,
+            FirLowPassSettings,
+            LinearPredictionSettings,
             MsImmIkfPaperSettings,
+            MsImmIkfSettings,
+            OneEuroSettings,
             Pt1Settings,
+            RandomWalkKfSettings,
+            RecursiveLeastSquaresSettings,
+            SageHusaKfSettings,
             SingerImmKfSettings,
-            SingerKfSettings
+            SingerKfSettings,
+            VariableForgettingSettings,
         }
     };
 }

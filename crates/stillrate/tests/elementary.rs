@@ -20,6 +20,11 @@ fn ulp_error(result: f64, reference: f64, missing: f64, precision: i32) -> f64 {
     libm::scalbn(libm::scalbn((result - reference) - missing, -unit / 2), -unit - (-unit / 2)).abs()
 }
 
+/// NaN counts as worse than anything.
+fn worse(error: f64, so_far: f64) -> bool {
+    error > so_far || error.is_nan()
+}
+
 fn apply(function: &str, x: f64, y: f64) -> f64 {
     match function {
         "exponential" => double::exponential(x),
@@ -43,8 +48,7 @@ fn worst_of(table: &str) -> BTreeMap<String, (f64, f64, f64)> {
         let (x, y, reference, missing) = (number(), number(), number(), number());
         let error = ulp_error(apply(function, x, y), reference, missing, 53);
         let entry = worst.entry(function.to_string()).or_insert((0.0, 0.0, 0.0));
-        // Written so that NaN counts as worse than anything.
-        if !(error <= entry.0) {
+        if worse(error, entry.0) {
             *entry = (error, x, y);
         }
     }
@@ -87,7 +91,8 @@ fn single_error(result: f32, reference: f64) -> f64 {
 }
 
 fn sweep_singles(stride: usize) {
-    let functions: [(&str, f32, fn(f32) -> f32, fn(f64) -> f64); 7] = [
+    type Row = (&'static str, f32, fn(f32) -> f32, fn(f64) -> f64);
+    let functions: [Row; 7] = [
         ("root", f32::INFINITY, single::root, double::root),
         ("exponential", f32::INFINITY, single::exponential, double::exponential),
         ("exponential_less_one", f32::INFINITY, single::exponential_less_one, double::exponential_less_one),
@@ -100,7 +105,7 @@ fn sweep_singles(stride: usize) {
         let mut worst = (0.0, 0.0);
         for x in singles(stride).filter(|x| x.abs() <= range) {
             let error = single_error(of_single(x), of_double(f64::from(x)));
-            if !(error <= worst.0) {
+            if worse(error, worst.0) {
                 worst = (error, x);
             }
         }
@@ -126,7 +131,7 @@ fn single_precision_angles_are_within_two_units() {
     for y in singles(3_000_017) {
         for x in singles(3_100_003).chain([1.0, y, -y, y * 2.0, y / 0.3, y * 0.72]) {
             let error = single_error(single::angle_over(y, x), double::angle_over(f64::from(y), f64::from(x)));
-            if !(error <= worst.0) {
+            if worse(error, worst.0) {
                 worst = (error, y, x);
             }
         }

@@ -1,6 +1,6 @@
 //! exp, ln, sin, cos, ...: one definition for every target, so that no system libm decides a bit.
 //!
-//! Each function is written once ([`format::Format`] holds what differs between `f32` and `f64`), from IEEE add,
+//! Each function is written once (the module `format` holds what differs between `f32` and `f64`), from IEEE add,
 //! subtract, multiply, divide and compare only: no tables in memory, no branches, no fused multiply-add. Special values are chosen by selects,
 //! so a loop over any of these functions vectorises and every lane gives the bits of the scalar call. The `f32` functions never
 //! touch `f64`: they run on a single-precision unit.
@@ -17,7 +17,7 @@
 //! | `logarithm` | 0.80 | 0.85 | all |
 //! | `sine_cosine` | 0.77 | 0.79 | up to 2^20 rad in `f64`, 2^12 rad in `f32` |
 //! | `angle_over` | 1.32 | 1.36 | all |
-//! | `tangent_hyperbolic` | 1.18 | 1.15 | all |
+//! | `tangent_hyperbolic` | 1.18 | 1.30 | all |
 //!
 //! Beyond its range `sine_cosine` has an absolute error below one unit in the last place of its *argument*, up to
 //! 2^52 rad (2^23 rad in `f32`); from there on, where neighbouring arguments are a radian apart, it is (0, 1).

@@ -1,19 +1,48 @@
 //! One published filter a file, reading like its equations.
+mod ar_kf;
+mod biquad;
+pub mod closed_forms;
+mod cusum_forgetting;
+pub mod fir;
+mod hmm_rls;
+mod linear_prediction;
 mod ms_imm_ikf;
 mod ms_imm_ikf_cycle;
 mod ms_imm_ikf_paper;
 mod ms_imm_ikf_paper_settings;
 mod ms_imm_ikf_settings;
+mod one_euro;
+mod online_ar;
 mod pt1;
+mod random_walk_kf;
+mod recursive;
+mod sage_husa_kf;
 mod singer_imm_kf;
 mod singer_kf;
+mod variable_forgetting;
+mod vector_rls;
 
+pub use ar_kf::{ArKf, ArKfSettings, ArKfState, HIGHEST_ORDER as AR_HIGHEST_ORDER};
+pub use biquad::{Biquad, BiquadSettings, BiquadState};
+pub use cusum_forgetting::{CusumForgetting, CusumForgettingSettings, CusumForgettingState};
+pub use fir::{FirLowPass, FirLowPassSettings, FirLowPassState};
+pub use hmm_rls::{
+    DEFAULT_TAU_S, RecursiveLeastSquares, RecursiveLeastSquaresSettings, RecursiveLeastSquaresState, WeightedMean,
+};
+pub use linear_prediction::{LinearPrediction, LinearPredictionSettings, LinearPredictionState};
 pub use ms_imm_ikf::{MsImmIkf, MsImmIkfState, OSCILLATORS, Pace, RUNGS};
 pub use ms_imm_ikf_paper::{FadingGate, MsImmIkfPaper, MsImmIkfPaperState, PaperModel};
 pub use ms_imm_ikf_paper_settings::{
     ALPHA_MIXING, FADING_GATES, FADING_SCOPES, FADING_SOURCES, FADINGS, JACOBIANS, MODES, MsImmIkfPaperSettings,
 };
 pub use ms_imm_ikf_settings::MsImmIkfSettings;
+pub use one_euro::{OneEuro, OneEuroSettings, OneEuroState};
+pub use online_ar::{OnlineAr, OnlineArState};
 pub use pt1::{Pt1, Pt1Settings, Pt1State};
+pub use random_walk_kf::{RandomWalkKf, RandomWalkKfSettings};
+pub use recursive::{LevelState, LineState};
+pub use sage_husa_kf::{SageHusaKf, SageHusaKfSettings, SageHusaKfState};
 pub use singer_imm_kf::{SingerImmKf, SingerImmKfSettings, SingerImmKfState, SingerImmModel};
 pub use singer_kf::{SingerKf, SingerKfSettings, SingerKfState};
+pub use variable_forgetting::{VariableForgetting, VariableForgettingSettings, VariableForgettingState};
+pub use vector_rls::{VectorRls, VectorRlsEstimate, VectorRlsSettings, VectorRlsState};

@@ -94,6 +94,10 @@ impl Settings for MsImmIkfSettings {
     }
 }
 
+/// Manoeuvre frequency before anything is known: one hertz, rounded as the reference outputs have it.
+#[allow(clippy::approx_constant)]
+const START_FREQUENCY_RAD_S: f64 = 6.28;
+
 /// Bandwidths 2, 8, 32, ... Hz up to the first that reaches the sample rate: that rung passes everything and keeps the
 /// bank no worse than raw whatever the motion.
 fn ladder(sample_rate_hz: f64) -> ([f64; RUNGS], usize) {
@@ -182,7 +186,7 @@ impl<T: Real> MsImmIkf<T> {
                 angle_max: T::of(angle_max),
                 rate_square_min: T::of(1e-8 * variance),
             },
-            start_angle: T::of((6.28 * period).limited(angle_min, angle_max)),
+            start_angle: T::of((START_FREQUENCY_RAD_S * period).limited(angle_min, angle_max)),
             refresh_samples: T::of((refresh * rate + 1e-9).least(16_000_000.0).most(1.0) as u32 as f64),
             outlier_probability: T::of(outlier),
             saturation: T::of(saturation).least(T::LARGEST),

@@ -129,7 +129,7 @@ mod tests {
                 _ => step.response[row],
             })
         };
-        for omega in [1.2, 6.28, 30.0] {
+        for omega in [1.2, 6.3, 30.0] {
             let half = matrix(&OscillatorStep::new(omega, 0.01));
             let whole = matrix(&OscillatorStep::new(omega, 0.02));
             let scale = whole.abs().max();
@@ -147,8 +147,8 @@ mod tests {
                 n[0], n[1], n[2], n[3], n[1], n[4], n[5], n[6], n[2], n[5], n[7], n[8], n[3], n[6], n[8], n[9],
             )
         };
-        let step = OscillatorStep::new(6.28, 0.01);
-        let whole = unpack(&OscillatorStep::new(6.28, 0.02));
+        let step = OscillatorStep::new(6.3, 0.01);
+        let whole = unpack(&OscillatorStep::new(6.3, 0.02));
         let transition = nalgebra::SMatrix::<f64, 4, 4>::from_fn(|row, column| match column {
             0 => step.from_rate[row],
             1 => step.from_acceleration[row],

@@ -1,0 +1,109 @@
+//! Kalman filter for a level that walks at random ("HMM/KF").
+//!
+//! x(k+1) = x(k) + w, z = x + v with q = Q/R: K(1) = 1, w <- w + K (x - w), m = K + q, K <- m/(1 + m). Its steady gain is that of
+//! recursive least squares with q = (1 - lambda)^2/lambda; on the way there it is slightly less noisy, at the same
+//! cost. Both are one kernel here (`recursive/level.rs`) with different losses of old weight.
+//! Source: DOI 10.7690/bgzdh.2019.03.009; Muth, J. Am. Stat. Assoc. 55 (1960), for the steady state.
+//!
+//! Zero start-up delay: the first output is the first sample. The steady state lags by lambda/(1 - lambda) samples.
+
+use crate::error::{ConfigError, not_negative, positive};
+use crate::filter::{Estimate, Filter, Observer, Sample};
+use crate::filters::recursive::level::{LevelState, Seen};
+use crate::noise::GyroNoise;
+use crate::real::Real;
+use crate::settings::{Settings, Visit, visit_noise};
+
+/// Settings of [`RandomWalkKf`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct RandomWalkKfSettings {
+    /// Nominal sample rate, Hz.
+    pub sample_rate_hz: f64,
+    /// Noise of the gyro.
+    pub noise: GyroNoise,
+    /// q = Q/R: variance of the level's walk over one nominal period, over the variance of a sample.
+    /// Default K^2 T / (N^2 / T) from the noise: a gyro at rest. A memory of tau samples is q = 1/tau^2, nearly.
+    pub variance_ratio: f64,
+}
+
+impl Settings for RandomWalkKfSettings {
+    const METHOD: &'static str = "hmm-kf";
+    type Filter<T: Real> = RandomWalkKf<T>;
+
+    fn defaults(sample_rate_hz: f64, noise: GyroNoise) -> Self {
+        let walk = noise.rate_random_walk_dps_sqrt_s / (noise.density_dps_sqrt_hz * sample_rate_hz);
+        Self { sample_rate_hz, noise, variance_ratio: walk * walk }
+    }
+
+    fn visit<V: Visit>(&mut self, visitor: &mut V) {
+        visitor.number("sample_rate_hz", &mut self.sample_rate_hz);
+        visit_noise(visitor, &mut self.noise);
+        visitor.number("variance_ratio", &mut self.variance_ratio);
+    }
+
+    fn build<T: Real>(&self) -> Result<RandomWalkKf<T>, ConfigError> {
+        let rate = positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
+        let noise = self.noise.checked()?;
+        Ok(RandomWalkKf {
+            period_s: T::of(1.0 / rate),
+            variance_ratio: T::of(not_negative("variance_ratio", self.variance_ratio, "")?).least(T::LARGEST.root()),
+            sample_variance: T::of(noise.sample_variance(rate)),
+            limit: T::LARGEST.root(),
+        })
+    }
+}
+
+/// Kalman filter for a random walk in white noise; the first sample starts it.
+///
+/// # Example
+/// ```
+/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::RandomWalkKfSettings};
+/// let noise = GyroNoise::from_density_two_sided(0.01);
+/// let filter = RandomWalkKfSettings { variance_ratio: 0.0025, ..RandomWalkKfSettings::defaults(200.0, noise) }.build::<f64>()?;
+/// let mut state = filter.start();
+/// assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.005 }).rate, 3.0);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct RandomWalkKf<T> {
+    /// Nominal sample period, s.
+    pub period_s: T,
+    /// q = Q/R over one nominal period.
+    pub variance_ratio: T,
+    /// Variance R of one sample, (deg/s)^2.
+    pub sample_variance: T,
+    /// Values beyond this magnitude count as missing.
+    pub limit: T,
+}
+
+impl<T: Real> Filter<T> for RandomWalkKf<T> {
+    type State = LevelState<T>;
+
+    fn start(&self) -> LevelState<T> {
+        LevelState::start()
+    }
+
+    fn period(&self) -> T {
+        self.period_s
+    }
+
+    #[inline(always)]
+    fn observe<O: Observer<T>>(&self, state: &mut LevelState<T>, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
+        let checked = sample.check(self.limit, self.period_s);
+        // The walk's variance grows with time.
+        let periods = if checked.dt == self.period_s { T::ONE } else { checked.dt / self.period_s };
+        let walked = T::select(checked.moves, self.variance_ratio * periods, T::ZERO) * state.weight;
+        let loss = walked / (T::ONE + walked);
+        let innovation = checked.value - state.level;
+        let before = (T::ONE + walked) / state.weight;
+        let innovation_variance =
+            T::select(state.empty(), self.sample_variance, self.sample_variance * (T::ONE + before));
+        state.weigh(loss, checked.present);
+        state.correct(checked.value, checked.present);
+        let forgetting_factor = T::ONE - loss;
+        state.tell(observer, Seen { present: checked.present, innovation, innovation_variance, forgetting_factor });
+        let variance = T::select(state.empty(), T::ZERO, self.sample_variance / state.weight);
+        state.estimate(variance, &checked)
+    }
+}

@@ -1,0 +1,157 @@
+//! A straight line through everything so far, old samples weighing less: level and slope without lag on a ramp.
+//!
+//! With a the age of a sample in nominal periods and Lambda(a) what its weight has shrunk to, S_k = sum Lambda(a) a^k. One period later
+//! S2 <- lambda (S2 + 2 S1 + S0), S1 <- lambda (S1 + S0), S0 <- lambda S0 + 1; then D = S0 S2 - S1^2, g1 = S2/D, g2 = S1/D and, with the
+//! prediction p = l + s and e = x - p, l <- p + g1 e, s <- s + g2 e: the exponentially weighted least-squares line, exactly.
+//! A step of u periods ages by u instead of 1, so irregular samples stay exact as well. Sums of Lambda(a)^2 a^k beside them
+//! give the variance of the level in white noise, exactly too.
+//! Source: DOI 10.7690/bgzdh.2019.03.009 (order 2); steady state as Brown's double exponential smoothing.
+
+use crate::filter::{Checked, Estimate, Flags, LONGEST_GAP_S};
+use crate::real::Real;
+use crate::reals;
+
+reals! {
+    /// State of a weighted line.
+    pub struct LineState {
+        /// Level now (of the fitted line, gaps included).
+        pub level: T,
+        /// Slope per nominal period.
+        pub slope: T,
+        /// S0, S1, S2.
+        pub moments: [T; 3],
+        /// The same with squared weights.
+        pub squared: [T; 3],
+        /// Seconds since the last usable sample.
+        pub silent_s: T,
+    }
+}
+
+/// The two gains of a sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gains<T> {
+    pub(crate) level: T,
+    pub(crate) slope: T,
+}
+
+/// What the time before a sample means.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passage<T> {
+    /// Nominal periods to move on by.
+    pub(crate) periods: T,
+    /// Whether everything before was forgotten.
+    pub(crate) restart: bool,
+}
+
+/// sum a^k one step of `u` periods later, the weights shrunk by `keep`.
+#[inline(always)]
+fn aged<T: Real>(sums: [T; 3], u: T, keep: T) -> [T; 3] {
+    let [s0, s1, s2] = sums;
+    [keep * s0, keep * (s1 + u * s0), keep * (s2 + T::TWO * u * s1 + u * u * s0)]
+}
+
+impl<T: Real> LineState<T> {
+    /// Before the first sample.
+    pub(crate) fn start() -> Self {
+        let none = [T::ZERO; 3];
+        Self { level: T::ZERO, slope: T::ZERO, moments: none, squared: none, silent_s: T::ZERO }
+    }
+
+    /// Whether nothing has been seen yet.
+    #[inline(always)]
+    pub(crate) fn empty(&self) -> bool {
+        self.moments[0] == T::ZERO
+    }
+
+    /// Lets time pass: the periods to move on by, and whether the silence was so long that everything is forgotten.
+    #[inline(always)]
+    pub(crate) fn pass(&mut self, checked: &Checked<T>, period: T) -> Passage<T> {
+        let longest = T::of(LONGEST_GAP_S).most(T::of(3.0) * period);
+        let step = T::select(checked.moves, checked.dt, T::ZERO);
+        // Nobody follows a line beyond twice the longest gap: time stands still there, whatever dt claims.
+        let left = (T::TWO * longest - self.silent_s).most(T::ZERO);
+        let nominal = checked.moves && checked.dt == period && left >= period;
+        let periods = if nominal { T::ONE } else { step.least(left) / period };
+        self.silent_s += step.least(left);
+        let restart = checked.present && self.silent_s > longest && !self.empty();
+        // The held output stays until the new sample replaces it.
+        self.moments = self.moments.map(|sum| T::select(restart, T::ZERO, sum));
+        self.squared = self.squared.map(|sum| T::select(restart, T::ZERO, sum));
+        self.slope = T::select(restart, T::ZERO, self.slope);
+        Passage { periods, restart }
+    }
+
+    /// Moves the line on by `u` periods with every old weight multiplied by `keep`.
+    #[inline(always)]
+    pub(crate) fn age(&mut self, u: T, keep: T) {
+        let flushed = |sums: [T; 3]| sums.map(Real::flushed);
+        let alive = self.moments[0] > T::ZERO;
+        self.moments = flushed(aged(self.moments, u, keep));
+        self.squared = flushed(aged(self.squared, u, keep * keep));
+        // The weight of a filter that has seen data never quite vanishes: see `empty`.
+        self.moments[0] = T::select(alive, self.moments[0].most(T::TINY), self.moments[0]);
+        self.level += u * self.slope;
+    }
+
+    /// Takes a sample with innovation `x - level` (the line already moved on to it).
+    #[inline(always)]
+    pub(crate) fn correct(&mut self, value: T, present: bool) -> Gains<T> {
+        let one = T::select(present, T::ONE, T::ZERO);
+        self.moments[0] += one;
+        self.squared[0] += one;
+        let gains = self.gains(present);
+        let innovation = value - self.level;
+        self.level = (self.level + gains.level * innovation).flushed();
+        self.slope = (self.slope + gains.slope * innovation).flushed();
+        self.silent_s = T::select(present, T::ZERO, self.silent_s);
+        gains
+    }
+
+    /// g1 = S2/D and g2 = S1/D; (1, 0) for a first sample, nothing for a missing one.
+    #[inline(always)]
+    fn gains(&self, present: bool) -> Gains<T> {
+        let [s0, s1, s2] = self.moments;
+        let determinant = s0 * s2 - s1 * s1;
+        // One sample, or all the others forgotten: no line, only a level.
+        let line = determinant > T::of(16.0) * T::EPSILON * s0 * s2;
+        let level = T::select(line, s2 / determinant, T::ONE / s0);
+        let slope = T::select(line, s1 / determinant, T::ZERO);
+        Gains { level: T::select(present, level, T::ZERO), slope: T::select(present, slope, T::ZERO) }
+    }
+
+    /// Variance of the level over that of one sample, for a straight line in white noise.
+    #[inline(always)]
+    pub(crate) fn noise_gain(&self) -> T {
+        let [s0, s1, s2] = self.moments;
+        let [u0, u1, u2] = self.squared;
+        let determinant = s0 * s2 - s1 * s1;
+        let line = determinant > T::of(16.0) * T::EPSILON * s0 * s2;
+        let (by_level, by_slope) = (s2 / determinant, s1 / determinant);
+        let fitted = by_level * by_level * u0 - T::TWO * by_level * by_slope * u1 + by_slope * by_slope * u2;
+        let mean = u0 / (s0 * s0);
+        T::select(self.empty(), T::ZERO, T::select(line, fitted, mean))
+    }
+
+    /// The estimate after a sample: the line is followed through a gap for one memory length, then held.
+    #[inline(always)]
+    pub(crate) fn estimate(
+        &self,
+        sample_variance: T,
+        tau_s: T,
+        period: T,
+        checked: &Checked<T>,
+        restart: bool,
+    ) -> Estimate<T> {
+        let overdue = (self.silent_s - tau_s).most(T::ZERO) / period;
+        let held = self.level - self.slope * overdue;
+        let coasting = overdue > T::ZERO;
+        Estimate {
+            rate: T::select(coasting, held, self.level),
+            acceleration: T::select(coasting, T::ZERO, self.slope / period),
+            variance: self.noise_gain() * sample_variance,
+            flags: Flags(checked.flags.0 & !Flags::RESTARTED.0)
+                .with(Flags::RESTARTED.when(restart))
+                .with(Flags::NO_DATA_YET.when(self.empty())),
+        }
+    }
+}
