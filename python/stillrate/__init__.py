@@ -1,5 +1,6 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
+from stillrate import platform
 from stillrate._native import Filter, __version__
 from stillrate.config import Config, MsImmIkf, MsImmIkfPaper, Pt1, SingerImmKf, SingerKf, load_config
 from stillrate.errors import ConfigError, LogError
@@ -24,5 +25,6 @@ __all__ = [
     "Trace",
     "__version__",
     "load_config",
+    "platform",
     "singer_coefficients",
 ]

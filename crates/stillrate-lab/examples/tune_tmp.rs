@@ -1,6 +1,6 @@
 //! tmp
 use std::time::Instant;
-use stillrate_lab::servo::{family::standard, search::Effort, trial::*, tuner::*};
+use stillrate_lab::servo::{family::standard, search::Effort, seeds, study, trial::*, tuner::*};
 fn main() {
     let a: Vec<String> = std::env::args().collect();
     let (rate, budget, names): (f64, f64, &str) = (a[1].parse().unwrap(), a[2].parse().unwrap(), &a[3]);
@@ -13,15 +13,17 @@ fn main() {
         let t = Instant::now();
         let task = Task {
             budget_percent: budget,
-            effort: Effort { population: pop, generations: gen_, restarts: rs, seed: 11 },
-            seeds: (101..113).collect(),
+            effort: Effort { population: pop, generations: gen_, restarts: rs, seed: seeds::SEARCH },
+            seeds: seeds::TUNING.to_vec(),
         };
         let r = tune(&bench, &f, &task, &mut |_| true).unwrap();
         let c = r.design.controller;
+        let took = t.elapsed().as_secs_f64();
+        let row = study::validate(&bench, &f, &r.design, &seeds::VALIDATION, 6).unwrap();
         println!(
-            "{} {:.1}s obj {:.3} feas {} restarts {:?}\n   k {:.3} Ko {:.3} Kvi {:.1} kd {:.2}ms par {:?}",
+            "{rate} Hz {budget} {} {:.1}s obj {:.3} feas {} restarts {:?}\n   k {:.4} Ko {:.4} Kvi {:.2} kd {:.3}ms par {:?}\n   {row:?}",
             f.name,
-            t.elapsed().as_secs_f64(),
+            took,
             r.objective_deg,
             r.feasible,
             r.restarts_deg,
@@ -31,24 +33,9 @@ fn main() {
             1e3 * c.kd_s,
             r.design.parameters
         );
-        let mut tr = Trial::new(&bench, &f, &r.design).unwrap();
-        for seed in 9001..9009 {
-            let x = tr.residual(seed).unwrap();
-            println!(
-                "   seed {seed}: {:.3} {:.3} jit {:.4} quiet {:.4} lev {:.3}",
-                x.rms_deg,
-                x.max_deg,
-                tr.jitter_after_tilt(seed, 1.0, 0.0).unwrap(),
-                tr.jitter_undisturbed(seed).unwrap(),
-                tr.levelling_error_deg(seed, 20.0).unwrap()
-            );
-        }
         println!(
-            "   GM {} DM {} mj {:.3} tilt {:?}",
-            tr.gain_margin(9001).unwrap(),
-            tr.delay_margin_ms(9001).unwrap(),
-            tr.motion_jitter(9001, 9002).unwrap(),
-            [20., 15., 10., 5.].map(|d| (tr.tilt_peak_deg(9001, d, 0.4).unwrap() * 100.).round() / 100.)
+            "   tilt {:?}",
+            study::tilt_table(&bench, &f, &r.design, &[20., 15., 10., 5.], 0.4, &seeds::VALIDATION[..3]).unwrap()
         );
     }
 }

@@ -123,7 +123,7 @@ pub fn standard(sample_rate_hz: f64, noise: GyroNoise) -> Vec<Family> {
             "one-euro",
             false,
             vec![link("one-euro", &[])],
-            vec![open(0, "minimum_cutoff_hz", logarithmic(0.05, 10.0)), open(0, "beta", logarithmic(1e-3, 1.0))],
+            vec![open(0, "minimum_cutoff_hz", logarithmic(0.05, 10.0)), open(0, "beta", logarithmic(1e-3, 3.0))],
         ),
         family(
             "singer-imm-kf",

@@ -16,6 +16,7 @@ pub mod plant;
 mod plant_sets;
 pub mod platform;
 pub mod search;
+pub mod seeds;
 pub mod study;
 pub mod trial;
 pub mod tuner;
