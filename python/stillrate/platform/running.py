@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stillrate import _native
-from stillrate.platform.model import Base, Controller, GyroErrors, LoopFilter, Plant, Setup, links
+from stillrate.platform.model import Base, Controller, GyroErrors, Link, LoopFilter, Plant, Setup, links
 
 COLUMNS = ("theta", "u", "w", "y", "theta_hat", "alpha", "phi", "nu")
 
@@ -102,13 +102,40 @@ def run(
     (400, 8)
     """
     setup = Setup() if setup is None else setup
+    chain = links(filter, setup.sample_rate_hz)
+    return run_links(
+        base,
+        chain,
+        setup=setup,
+        controller=Controller() if controller is None else controller,
+        gyro=gyro,
+        seed=seed,
+        start_deg=start_deg,
+        reference_deg=reference_deg,
+        duration_s=duration_s,
+    )
+
+
+def run_links(
+    base: Base,
+    chain: list[Link],
+    *,
+    setup: Setup,
+    controller: Controller,
+    gyro: GyroErrors | None = None,
+    seed: int = 0,
+    start_deg: float = 0.0,
+    reference_deg: float = 0.0,
+    duration_s: float = 8.0,
+) -> Run:
+    """Run with the filter as a chain of methods and settings; `run` is the convenient form."""
     if gyro is None:
         sigma = setup.noise.density_dps_sqrt_hz * float(np.sqrt(max(setup.sample_rate_hz, 0.0)))
         gyro = GyroErrors(white_sigma_dps=sigma, bias_dps=setup.bias_dps, seed=seed)
     found = _native.servo_run(
         setup,
-        Controller() if controller is None else controller,
-        links(filter, setup.sample_rate_hz),
+        controller,
+        chain,
         base,
         gyro,
         (start_deg, reference_deg, duration_s),

@@ -175,6 +175,8 @@ impl Platform {
         let mut random = Random::new(gyro.seed, 0);
         let mut state: State = [0.0; STATES];
         state[0] = start_rad;
+        // The drive stands where the coupling is at rest.
+        state[2] = start_rad - base.at(0.0).0;
         let mut controller = ControllerState::at_angle(start_rad);
         let mut pending = [0.0; PENDING];
         let mut table = vec![(0.0, 0.0); 2 * self.steps + 1];
