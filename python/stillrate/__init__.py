@@ -1,6 +1,7 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
 from stillrate import gimbal
+from stillrate import platform
 from stillrate._native import Filter, __version__
 from stillrate.config import Config, load_config
 from stillrate.errors import ConfigError, LogError
@@ -53,5 +54,6 @@ __all__ = [
     "__version__",
     "gimbal",
     "load_config",
+    "platform",
     "singer_coefficients",
 ]

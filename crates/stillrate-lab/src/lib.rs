@@ -15,6 +15,7 @@ pub mod reference_bias;
 pub mod rate_table;
 pub mod runner;
 pub mod saved;
+pub mod servo;
 pub mod settings_map;
 pub mod simulate;
 pub mod statistics;

@@ -6,12 +6,14 @@ use pyo3::prelude::*;
 
 mod analysis;
 mod convert;
+mod drift;
 mod filter;
 mod gimbal;
 mod gimbal_parts;
 mod inspect;
 mod logs;
 mod rate_table;
+mod servo;
 
 /// The compiled half of the Python package.
 #[pymodule]
@@ -23,5 +25,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     inspect::register(module)?;
     logs::register(module)?;
     analysis::register(module)?;
+    drift::register(module)?;
+    servo::register(module)?;
     Ok(())
 }
