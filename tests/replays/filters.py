@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
 import stillrate as sr
 
 TWO_PI = 2.0 * math.pi
