@@ -23,12 +23,17 @@ from stillrate.methods import (
     VariableForgetting,
 )
 from stillrate.noise import GyroNoise
+from stillrate import metrics, simulate
+from stillrate.allan_deviation import Allan, allan
+from stillrate.config import Config, MsImmIkf, MsImmIkfPaper, Pt1, SingerImmKf, SingerKf, load_config
+from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 from stillrate.results import Estimate, Flags, Trace
 from stillrate.singer import SingerCoefficients, singer_coefficients
 
 __all__ = [
     "ArKf",
     "Biquad",
+    "Allan",
     "Config",
     "ConfigError",
     "CusumForgetting",
@@ -42,6 +47,7 @@ __all__ = [
     "MsImmIkf",
     "MsImmIkfPaper",
     "OneEuro",
+    "NoiseFromLog",
     "Pt1",
     "RandomWalkKf",
     "RecursiveLeastSquares",
@@ -55,5 +61,9 @@ __all__ = [
     "gimbal",
     "load_config",
     "platform",
+    "allan",
+    "metrics",
+    "noise_from_log",
+    "simulate",
     "singer_coefficients",
 ]
