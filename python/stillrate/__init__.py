@@ -1,6 +1,8 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
+from stillrate import attitude, closed_forms
 from stillrate._native import Filter, __version__
+from stillrate.bias import ReferenceBias, reference_bias
 from stillrate.config import Config, load_config
 from stillrate.errors import ConfigError, LogError
 from stillrate.methods import (
@@ -21,8 +23,10 @@ from stillrate.methods import (
     VariableForgetting,
 )
 from stillrate.noise import GyroNoise
+from stillrate.observe import Observability, bench_imu, observability
 from stillrate.results import Estimate, Flags, Trace
 from stillrate.singer import SingerCoefficients, singer_coefficients
+from stillrate.vector_rls import VectorRls
 
 __all__ = [
     "ArKf",
@@ -39,17 +43,25 @@ __all__ = [
     "LogError",
     "MsImmIkf",
     "MsImmIkfPaper",
+    "Observability",
     "OneEuro",
     "Pt1",
     "RandomWalkKf",
     "RecursiveLeastSquares",
+    "ReferenceBias",
     "SageHusaKf",
     "SingerCoefficients",
     "SingerImmKf",
     "SingerKf",
     "Trace",
     "VariableForgetting",
+    "VectorRls",
     "__version__",
+    "attitude",
+    "bench_imu",
+    "closed_forms",
     "load_config",
+    "observability",
+    "reference_bias",
     "singer_coefficients",
 ]
