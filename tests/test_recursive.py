@@ -133,7 +133,7 @@ def test_memory_may_be_said_in_seconds_or_as_a_factor() -> None:
     by_factor = sr.RecursiveLeastSquares(sample_rate_hz=200.0, forgetting_factor=math.exp(-0.05))
     assert by_factor.tau_s == pytest.approx(0.1, abs=1e-12)
     with pytest.raises(sr.ConfigError, match="give one of the two"):
-        sr.RecursiveLeastSquares(sample_rate_hz=200.0, tau_s=0.1, forgetting_factor=0.5)
+        sr.RecursiveLeastSquares(sample_rate_hz=200.0, tau_s=0.2, forgetting_factor=0.5)
     assert sr.config.config_from_settings("hmm-rls", by_tau.settings()) == by_tau
 
 
