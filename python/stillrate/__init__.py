@@ -2,7 +2,9 @@
 
 from stillrate import gimbal
 from stillrate import platform
+from stillrate import attitude, closed_forms
 from stillrate._native import Filter, __version__
+from stillrate.bias import ReferenceBias, reference_bias
 from stillrate.config import Config, load_config
 from stillrate.errors import ConfigError, LogError
 from stillrate.methods import (
@@ -27,8 +29,10 @@ from stillrate import metrics, simulate
 from stillrate.allan_deviation import Allan, allan
 from stillrate.config import Config, MsImmIkf, MsImmIkfPaper, Pt1, SingerImmKf, SingerKf, load_config
 from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
+from stillrate.observe import Observability, bench_imu, observability
 from stillrate.results import Estimate, Flags, Trace
 from stillrate.singer import SingerCoefficients, singer_coefficients
+from stillrate.vector_rls import VectorRls
 
 __all__ = [
     "ArKf",
@@ -46,17 +50,20 @@ __all__ = [
     "LogError",
     "MsImmIkf",
     "MsImmIkfPaper",
+    "Observability",
     "OneEuro",
     "NoiseFromLog",
     "Pt1",
     "RandomWalkKf",
     "RecursiveLeastSquares",
+    "ReferenceBias",
     "SageHusaKf",
     "SingerCoefficients",
     "SingerImmKf",
     "SingerKf",
     "Trace",
     "VariableForgetting",
+    "VectorRls",
     "__version__",
     "gimbal",
     "load_config",
@@ -65,5 +72,10 @@ __all__ = [
     "metrics",
     "noise_from_log",
     "simulate",
+    "attitude",
+    "bench_imu",
+    "closed_forms",
+    "observability",
+    "reference_bias",
     "singer_coefficients",
 ]

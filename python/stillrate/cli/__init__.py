@@ -18,7 +18,9 @@ COMMANDS = {
 }
 """Name -> one line of help; the module is ``stillrate.cli.NAME`` (dashes become underscores)."""
 
-CALIBRATIONS: dict[str, str] = {}
+CALIBRATIONS: dict[str, str] = {
+    "reference-bias": "Gyro bias from reference attitudes in the log.",
+}
 """Kind -> one line of help; the module is ``stillrate.cli.calibrate_KIND``."""
 
 
