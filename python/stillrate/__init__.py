@@ -1,5 +1,6 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
+from stillrate import rate_table
 from stillrate._native import Filter, __version__
 from stillrate.config import Config, load_config
 from stillrate.errors import ConfigError, LogError
@@ -51,5 +52,6 @@ __all__ = [
     "VariableForgetting",
     "__version__",
     "load_config",
+    "rate_table",
     "singer_coefficients",
 ]
