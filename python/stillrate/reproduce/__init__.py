@@ -1,0 +1,1 @@
+"""Published results, regenerated on simulated records and judged."""
