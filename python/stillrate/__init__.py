@@ -1,5 +1,7 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
+from stillrate import gimbal
+from stillrate import platform
 from stillrate import rate_table
 from stillrate._native import Filter, __version__
 from stillrate.config import Config, load_config
@@ -22,12 +24,17 @@ from stillrate.methods import (
     VariableForgetting,
 )
 from stillrate.noise import GyroNoise
+from stillrate import metrics, simulate
+from stillrate.allan_deviation import Allan, allan
+from stillrate.config import Config, MsImmIkf, MsImmIkfPaper, Pt1, SingerImmKf, SingerKf, load_config
+from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 from stillrate.results import Estimate, Flags, Trace
 from stillrate.singer import SingerCoefficients, singer_coefficients
 
 __all__ = [
     "ArKf",
     "Biquad",
+    "Allan",
     "Config",
     "ConfigError",
     "CusumForgetting",
@@ -41,6 +48,7 @@ __all__ = [
     "MsImmIkf",
     "MsImmIkfPaper",
     "OneEuro",
+    "NoiseFromLog",
     "Pt1",
     "RandomWalkKf",
     "RecursiveLeastSquares",
@@ -51,7 +59,13 @@ __all__ = [
     "Trace",
     "VariableForgetting",
     "__version__",
+    "gimbal",
     "load_config",
+    "platform",
+    "allan",
+    "metrics",
+    "noise_from_log",
+    "simulate",
     "rate_table",
     "singer_coefficients",
 ]

@@ -26,6 +26,7 @@ pub mod error;
 pub mod filter;
 pub mod filters;
 pub mod gaussian;
+pub mod gimbal;
 mod imm;
 mod kalman;
 pub mod models;

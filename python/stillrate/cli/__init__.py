@@ -18,7 +18,9 @@ COMMANDS = {
 }
 """Name -> one line of help; the module is ``stillrate.cli.NAME`` (dashes become underscores)."""
 
-CALIBRATIONS: dict[str, str] = {}
+CALIBRATIONS: dict[str, str] = {
+    "rate-table": "Fit the error of a gyro over its rate from a turntable log.",
+}
 """Kind -> one line of help; the module is ``stillrate.cli.calibrate_KIND``."""
 
 

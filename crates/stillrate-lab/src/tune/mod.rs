@@ -1,5 +1,6 @@
-//! Finding the numbers a filter needs: noise figures from a log, optimisers and what they make small.
+//! Finding the numbers a filter needs: noise figures and autoregressive models from a log, optimisers and what they make small.
 
+pub mod autoregressive;
 pub mod bank_likelihood;
 pub mod brent;
 mod candidates;
@@ -14,5 +15,5 @@ pub mod track;
 pub mod tuned;
 pub mod tuned_bank;
 
-pub use noise::{NoiseFromLog, NoiseReason, noise_from_log};
+pub use noise::{NoiseFromLog, NoiseReason, noise_from_log, shared_noise};
 pub use quantum::smallest_step;
