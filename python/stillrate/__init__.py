@@ -1,9 +1,8 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
-from stillrate import gimbal
-from stillrate import platform
-from stillrate import rate_table
+from stillrate import gimbal, metrics, platform, rate_table, simulate
 from stillrate._native import Filter, __version__
+from stillrate.allan_deviation import Allan, allan
 from stillrate.config import Config, load_config
 from stillrate.errors import ConfigError, LogError
 from stillrate.methods import (
@@ -23,10 +22,6 @@ from stillrate.methods import (
     SingerKf,
     VariableForgetting,
 )
-from stillrate.noise import GyroNoise
-from stillrate import metrics, simulate
-from stillrate.allan_deviation import Allan, allan
-from stillrate.config import Config, MsImmIkf, MsImmIkfPaper, Pt1, SingerImmKf, SingerKf, load_config
 from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 from stillrate.results import Estimate, Flags, Trace
 from stillrate.singer import SingerCoefficients, singer_coefficients
