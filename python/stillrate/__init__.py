@@ -5,6 +5,8 @@ from stillrate import platform
 from stillrate import attitude, closed_forms
 from stillrate._native import Filter, __version__
 from stillrate.bias import ReferenceBias, reference_bias
+from stillrate import gimbal, metrics, platform, rate_table, simulate
+from stillrate.allan_deviation import Allan, allan
 from stillrate.config import Config, load_config
 from stillrate.errors import ConfigError, LogError
 from stillrate.methods import (
@@ -24,10 +26,6 @@ from stillrate.methods import (
     SingerKf,
     VariableForgetting,
 )
-from stillrate.noise import GyroNoise
-from stillrate import metrics, simulate
-from stillrate.allan_deviation import Allan, allan
-from stillrate.config import Config, MsImmIkf, MsImmIkfPaper, Pt1, SingerImmKf, SingerKf, load_config
 from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 from stillrate.observe import Observability, bench_imu, observability
 from stillrate.results import Estimate, Flags, Trace
@@ -77,5 +75,6 @@ __all__ = [
     "closed_forms",
     "observability",
     "reference_bias",
+    "rate_table",
     "singer_coefficients",
 ]

@@ -1,1 +1,2 @@
 """Published figures, computed again: each table says what was reproduced and what was not."""
+"""Published results, regenerated on simulated records and judged."""
