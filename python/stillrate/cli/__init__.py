@@ -18,7 +18,9 @@ COMMANDS = {
 }
 """Name -> one line of help; the module is ``stillrate.cli.NAME`` (dashes become underscores)."""
 
-CALIBRATIONS: dict[str, str] = {}
+CALIBRATIONS: dict[str, str] = {
+    "gimbal": "Find every coefficient of a gimballed head from its commands and accelerometers.",
+}
 """Kind -> one line of help; the module is ``stillrate.cli.calibrate_KIND``."""
 
 
