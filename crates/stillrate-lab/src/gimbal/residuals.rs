@@ -137,6 +137,10 @@ impl ResidualTests {
     /// inflates its noise by design, and a noise figure that is too large only makes the deviations too large.
     #[must_use]
     pub fn alarm(&self) -> bool {
-        self.diverged || self.outliers > OUTLIERS_MAX || !self.mean_square.is_finite() || self.mean_square_sigma > ALARM_SIGMA || self.correlation_sigma > ALARM_SIGMA
+        self.diverged
+            || self.outliers > OUTLIERS_MAX
+            || !self.mean_square.is_finite()
+            || self.mean_square_sigma > ALARM_SIGMA
+            || self.correlation_sigma > ALARM_SIGMA
     }
 }

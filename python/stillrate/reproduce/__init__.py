@@ -1,0 +1,1 @@
+"""Published studies run again: one module a study, each with a function ``reproduce``."""
