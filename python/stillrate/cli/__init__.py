@@ -21,6 +21,7 @@ COMMANDS = {
 CALIBRATIONS: dict[str, str] = {
     "reference-bias": "Gyro bias from reference attitudes in the log.",
     "rate-table": "Fit the error of a gyro over its rate from a turntable log.",
+    "gimbal": "Find every coefficient of a gimballed head from its commands and accelerometers.",
 }
 """Kind -> one line of help; the module is ``stillrate.cli.calibrate_KIND``."""
 
