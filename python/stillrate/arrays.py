@@ -26,7 +26,7 @@ def as_samples(values: Any) -> npt.NDArray[Any]:
         If there are no or more than two dimensions.
     """
     if isinstance(values, np.ma.MaskedArray):
-        values = values.astype(np.float64).filled(np.nan)
+        values = np.ma.filled(values.astype(np.float64), np.nan)
     array = np.asarray(values)
     if array.dtype not in (np.float32, np.float64):
         if array.dtype.kind not in "fiubO":

@@ -4,6 +4,8 @@
 pub mod allan;
 pub mod bounds;
 pub mod error;
+pub mod inspect;
+pub mod logs;
 pub mod metrics;
 pub mod random;
 pub mod runner;

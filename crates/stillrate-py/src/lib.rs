@@ -7,14 +7,18 @@ use pyo3::prelude::*;
 mod convert;
 mod drift;
 mod filter;
+mod inspect;
+mod logs;
 mod servo;
 
 /// The compiled half of the Python package.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    filter::register(module)?;
     drift::register(module)?;
+    filter::register(module)?;
+    inspect::register(module)?;
+    logs::register(module)?;
     servo::register(module)?;
     Ok(())
 }

@@ -1,5 +1,6 @@
-//! Settings from data: noise figures from a log.
+//! Settings from data: noise figures and autoregressive models from a log.
 
+pub mod autoregressive;
 pub mod noise;
 mod quantum;
 

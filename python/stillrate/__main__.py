@@ -1,0 +1,5 @@
+"""``python -m stillrate``."""
+
+from stillrate.cli import run
+
+run()

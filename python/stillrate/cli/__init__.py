@@ -1,0 +1,79 @@
+"""The command line: one command a file, imported when it is called.
+
+To add a command, write a module with a function ``command`` (its signature is the command's, its docstring the help)
+and add a line to `COMMANDS`; likewise for the kinds of calibration and `CALIBRATIONS`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from cyclopts import App, CycloptsError
+
+COMMANDS = {
+    "demo": "Clean a simulated log by several methods and show why to trust the result.",
+    "filter": "Clean a gyro log: same rows and columns, the rates filtered.",
+    "simulate": "Write a simulated gyro log of which the truth is known.",
+}
+"""Name -> one line of help; the module is ``stillrate.cli.NAME`` (dashes become underscores)."""
+
+CALIBRATIONS: dict[str, str] = {}
+"""Kind -> one line of help; the module is ``stillrate.cli.calibrate_KIND``."""
+
+
+def build() -> App:
+    """Build the command line."""
+    from stillrate import __version__
+
+    app = App(
+        name="stillrate",
+        help="Make a gyro signal still without making it late.",
+        version=f"stillrate {__version__}",
+        version_flags=["--version"],
+        help_format="plaintext",
+    )
+    for name, summary in COMMANDS.items():
+        app.command(f"stillrate.cli.{name.replace('-', '_')}:command", name=name, help=summary)
+    if CALIBRATIONS:
+        calibrate = App(name="calibrate", help="Calibrate a sensor, a sensor head or a platform.")
+        for name, summary in CALIBRATIONS.items():
+            calibrate.command(f"stillrate.cli.calibrate_{name.replace('-', '_')}:command", name=name, help=summary)
+        app.command(calibrate)
+    app.register_install_completion_command()
+    return app
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Returns
+    -------
+    int
+        0: done; 1: the data cannot be used; 2: wrong usage.
+    """
+    from stillrate.cli.problems import UsageError, one_line
+    from stillrate.errors import ConfigError, LogError
+
+    try:
+        result = build()(
+            list(sys.argv[1:] if arguments is None else arguments),
+            exit_on_error=False,
+            print_error=False,
+            result_action="return_value",
+        )
+    except (UsageError, ConfigError, CycloptsError, FileExistsError) as error:
+        print(f"stillrate: {one_line(error)}", file=sys.stderr)
+        return 2
+    except (LogError, OSError, MemoryError, EOFError) as error:
+        print(f"stillrate: {one_line(error)}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("stillrate: stopped", file=sys.stderr)
+        return 130
+    return result if isinstance(result, int) else 0
+
+
+def run() -> None:
+    """Run the command line and leave with its exit code."""
+    sys.exit(main())

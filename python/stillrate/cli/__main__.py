@@ -1,0 +1,5 @@
+"""``python -m stillrate.cli``."""
+
+from stillrate.cli import run
+
+run()

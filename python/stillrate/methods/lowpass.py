@@ -1,0 +1,86 @@
+"""Low-pass filters that users would reach for instead."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from stillrate.config import Config
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pt1(Config):
+    """First-order low-pass, the usual flight-controller gyro filter.
+
+    Parameters
+    ----------
+    cutoff_hz : float, optional
+        Cut-off frequency in Hz; default 20 Hz, at most a quarter of the sample rate.
+    """
+
+    method: ClassVar[str] = "pt1"
+    cutoff_hz: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Biquad(Config):
+    """Second-order low-pass by the bilinear transform.
+
+    Parameters
+    ----------
+    cutoff_hz : float, optional
+        Cut-off frequency in Hz; default 20 Hz, at most a quarter of the sample rate.
+    quality : float, optional
+        Quality factor; default 1/sqrt(2) (Butterworth).
+    """
+
+    method: ClassVar[str] = "biquad"
+    cutoff_hz: float | None = None
+    quality: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OneEuro(Config):
+    """One-euro filter: a first-order low-pass whose cut-off grows with the speed of the signal.
+
+    Parameters
+    ----------
+    minimum_cutoff_hz : float, optional
+        Cut-off at rest in Hz; default 0.2.
+    beta : float, optional
+        Cut-off gained per deg/s^2, in Hz; default 0.5 for a density of 0.0151 deg/s/sqrt(Hz), in inverse proportion.
+    derivative_cutoff_hz : float, optional
+        Cut-off for the derivative in Hz; default 1.
+    """
+
+    method: ClassVar[str] = "one-euro"
+    minimum_cutoff_hz: float | None = None
+    beta: float | None = None
+    derivative_cutoff_hz: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirLowPass(Config):
+    """Finite impulse response low-pass; the boxcar is the moving mean.
+
+    Parameters
+    ----------
+    window : str, optional
+        "boxcar" (default), "hann", "hamming" or "blackman".
+    length : float, optional
+        Number of taps, 1 to 128; default the noise of a recursive mean with a memory of 0.1 s.
+    cutoff_hz : float, optional
+        Cut-off of a windowed-sinc low-pass in Hz; 0 (default): the window itself is the low-pass.
+    taps : sequence of float, optional
+        Taps of your own, newest sample first; they replace window, length and cut-off.
+    start : str, optional
+        Whether the first sample fills the register (default) or it starts with zeros; see the method's words.
+    """
+
+    method: ClassVar[str] = "fir"
+    window: str | None = None
+    length: float | None = None
+    cutoff_hz: float | None = None
+    taps: Sequence[float] | None = None
+    start: str | None = None

@@ -1,0 +1,88 @@
+// The page: unpacks the data, makes the plots of the chosen channel.
+"use strict";
+
+const bytesOf = text => Uint8Array.from(atob(text), letter => letter.charCodeAt(0));
+
+// Numbers as whole multiples of a step: differences, zigzag, four planes of bytes, deflated.
+async function unpack(packed) {
+  if (!packed) return null;
+  const stream = new Blob([bytesOf(packed.data)]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const b = new Uint8Array(await new Response(stream).arrayBuffer()), n = packed.count;
+  const found = packed.wide ? new Float64Array(n) : new Float32Array(n);
+  let whole = 0;
+  for (let i = 0; i < n; i++) {
+    const z = (b[i] | b[n + i] << 8 | b[2 * n + i] << 16 | b[3 * n + i] << 24) >>> 0;
+    whole += (z >>> 1) ^ -(z & 1);
+    found[i] = packed.offset + whole * packed.step;
+  }
+  for (const [from, to] of packed.missing) found.fill(NaN, from, to);
+  return found;
+}
+
+async function start() {
+  const page = JSON.parse(document.getElementById("data").textContent), $ = id => document.getElementById(id);
+  const time = page.time.packed ? await unpack(page.time.packed)
+    : Float64Array.from({ length: page.count }, (_, i) => page.time.start + i * page.time.step);
+  const channels = [];
+  for (const c of page.channels) {
+    const raw = await unpack(c.raw), clean = await unpack(c.clean);
+    if (c.view) {
+      for (const m of c.view.models) m.probability = await unpack(m.probability);
+      c.view.frequency = await unpack(c.view.frequency);
+      const [first, every] = c.view.index;
+      c.view.at = Float64Array.from(c.view.models[0].probability, (_, i) => time[first + i * every]);
+    }
+    channels.push({ ...c, raw, clean, difference: raw.map((v, i) => clean[i] - v) });
+  }
+  const over = new Group(), bands = new Group(), taus = new Group();
+  let now = channels[0];
+  over.full = [time[0], time[time.length - 1]];
+  over.least = 4 * (over.full[1] - over.full[0]) / Math.max(4, time.length);
+  const marks = () => now.flags.map(f => ({ colour: "--flag", x: f.at.map(i => time[i]) }));
+  const timePlot = (id, options) => new Plot($(id), over, { xUnit: "s", ...options });
+  const plots = {
+    rate: timePlot("rate", { title: `Rate, ${page.unit}`, height: 300, marks, count: true }),
+    difference: timePlot("difference", { title: `Taken away: clean − raw, ${page.unit}`, height: 150, count: true }),
+    probability: timePlot("probability", { title: "Model probabilities", height: 170, fixed: [-0.03, 1.03] }),
+    frequency: timePlot("frequency", { title: "Manoeuvre frequency, Hz", height: 140 }),
+    spectrum: new Plot($("spectrum"), bands, { title: `Spectral density, (${page.unit})²/Hz`, logX: true, logY: true, xUnit: "Hz", height: 260 }),
+    allan: new Plot($("allan"), taus, { title: `Allan deviation, ${page.unit}`, logX: true, logY: true, xUnit: "s", height: 260 }),
+  };
+  const log10 = values => Float64Array.from(values, Math.log10);
+  const pair = (group, plot, curves) => {
+    $(plot).hidden = !curves;
+    if (!curves) return;
+    const x = log10(curves.x);
+    group.full = [x[0], x[x.length - 1]]; group.range = group.range || group.full.slice();
+    plots[plot].set([{ name: "raw", colour: "--raw", x, y: curves.raw }, { name: "clean", colour: "--clean", x, y: curves.clean, wide: 1.75 }]);
+  };
+  const choose = index => {
+    now = channels[index];
+    document.querySelectorAll("#tabs button").forEach((b, i) => b.setAttribute("aria-pressed", String(i === index)));
+    plots.rate.set([{ name: "raw", colour: "--raw", x: time, y: now.raw }, { name: "clean", colour: "--clean", x: time, y: now.clean, wide: 1.75 }]);
+    plots.difference.set([{ name: "clean − raw", colour: "--raw", x: time, y: now.difference }]);
+    const view = now.view, at = view && view.at;
+    $("probability").hidden = !(view && view.models.length > 1);
+    if (view && view.models.length > 1)
+      plots.probability.set(view.models.map((m, k) => ({ name: m.name, colour: `--m${k % 10}`, x: at, y: m.probability })));
+    const moving = view && view.frequency;
+    $("frequency").hidden = !moving;
+    if (moving) plots.frequency.set([{ name: "frequency", colour: "--clean", x: at, y: view.frequency }]);
+    pair(bands, "spectrum", now.spectrum); pair(taus, "allan", now.allan);
+    $("flags").textContent = now.flags.length ? "Marks at the foot of the plot: " + now.flags.map(f => `${f.count} ${f.name}`).join(", ") : "";
+    $("settings").textContent = now.settings;
+  };
+  over.range = over.full.slice();
+  $("tabs").hidden = channels.length < 2;
+  channels.forEach((c, i) => {
+    const b = document.createElement("button"); b.textContent = c.name; b.onclick = () => choose(i); $("tabs").append(b);
+  });
+  for (const [id, act] of [["in", () => over.zoom(0.4)], ["out", () => over.zoom(2.5)], ["left", () => over.pan(-0.4)],
+    ["right", () => over.pan(0.4)], ["all", () => { over.reset(); bands.range && bands.reset(); taus.range && taus.reset(); }]]) $(id).onclick = act;
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => choose(channels.indexOf(now)));
+  choose(0);
+  window.stillrate = { over, bands, taus, plots, channels };
+  document.body.dataset.ready = "1";
+}
+
+start().catch(error => { document.getElementById("failed").textContent = "This page could not be shown: " + error; throw error; });
