@@ -1,5 +1,6 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
+from stillrate import gimbal
 from stillrate import platform
 from stillrate._native import Filter, __version__
 from stillrate.config import Config, load_config
@@ -51,6 +52,7 @@ __all__ = [
     "Trace",
     "VariableForgetting",
     "__version__",
+    "gimbal",
     "load_config",
     "platform",
     "singer_coefficients",

@@ -4,10 +4,15 @@
 pub mod allan;
 pub mod bounds;
 pub mod error;
+pub mod gimbal;
 pub mod inspect;
 pub mod logs;
 pub mod metrics;
+pub mod observability;
 pub mod random;
+pub mod rate_table;
+pub mod recursive;
+pub mod reference_bias;
 pub mod runner;
 pub mod saved;
 pub mod servo;
