@@ -1,0 +1,1 @@
+"""Published tables beside ours; one function a paper section."""
