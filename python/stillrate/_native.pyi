@@ -217,3 +217,72 @@ def rate_table_record(truth: list[float], unit: int, seed: int, sample_rate_hz: 
 def rate_table_calibration(unit: int, seed: int, rates: int, seconds: float) -> tuple[_Floats, _Floats]: ...
 def rate_table_table3(unit: int, seed: int, epochs: int) -> dict[str, Any]: ...
 def rate_table_study(unit: int, seed: int, published_epochs: int) -> dict[str, Any]: ...
+_Polynomials = tuple[list[float], list[float]]
+_Chain = list[tuple[str, dict[str, float | str | list[float]]]]
+_Seeds = list[int]
+
+def servo_variance(
+    transfer: _Polynomials, time_s: float | None, band_rad_s: tuple[float, float] | None, algorithm: str
+) -> float: ...
+def servo_drift(
+    rate_loop: _Polynomials | None,
+    tracking: _Polynomials | None,
+    filter: _Polynomials | None,
+    position: str,
+    dead_time_s: float,
+    noise: tuple[float, float, float, float],
+    time_s: float | None,
+    band_rad_s: tuple[float, float] | None,
+) -> tuple[float, float, float, float]: ...
+def servo_plant(name: str, design: object | None = None) -> list[float]: ...
+def servo_plant_fields() -> list[tuple[str, str, str]]: ...
+def servo_run(
+    setup: object,
+    controller: object,
+    filter: _Chain,
+    base: object,
+    gyro: object,
+    times: tuple[float, float, float],
+) -> dict[str, Any]: ...
+def servo_open_loop(
+    plant: object, base: object, voltage: _Floats, start: list[float], timing: tuple[float, int]
+) -> _Floats: ...
+def servo_families(
+    sample_rate_hz: float, density: float, walk: float | None
+) -> list[tuple[str, _Chain, list[tuple[int, str, float, float, bool]], bool]]: ...
+def servo_tune(
+    bench: object,
+    family: object,
+    budget_percent: float,
+    effort: tuple[int, int, int, int],
+    seeds: _Seeds,
+    progress: object | None,
+) -> dict[str, Any]: ...
+def servo_validate(
+    bench: object, family: object, controller: object, parameters: list[float], seeds: _Seeds, margins: int
+) -> dict[str, Any]: ...
+def servo_tilt_table(
+    bench: object,
+    family: object,
+    controller: object,
+    parameters: list[float],
+    tilts_deg: list[float],
+    duration_s: float,
+    seeds: _Seeds,
+) -> list[float]: ...
+def servo_integration_error(
+    bench: object,
+    family: object,
+    parameters: list[float],
+    motion: tuple[float, float],
+    duration_s: float,
+    seeds: _Seeds,
+) -> float: ...
+def servo_describe(
+    filter: _Chain,
+    sample_rate_hz: float,
+    frequency_hz: float,
+    amplitudes_dps: list[float],
+    noise_sigma_dps: float,
+    run: tuple[int, int],
+) -> list[tuple[float, float]]: ...

@@ -14,6 +14,7 @@ from cyclopts import App, CycloptsError
 COMMANDS = {
     "demo": "Clean a simulated log by several methods and show why to trust the result.",
     "filter": "Clean a gyro log: same rows and columns, the rates filtered.",
+    "platform": "Compare filters in the loop of a stabilised platform, with pictures.",
     "simulate": "Write a simulated gyro log of which the truth is known.",
 }
 """Name -> one line of help; the module is ``stillrate.cli.NAME`` (dashes become underscores)."""
