@@ -1,5 +1,7 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
+from typing import TYPE_CHECKING, Any
+
 from stillrate._native import Filter, __version__
 from stillrate.config import Config, load_config
 from stillrate.errors import ConfigError, LogError
@@ -24,6 +26,9 @@ from stillrate.noise import GyroNoise
 from stillrate.results import Estimate, Flags, Trace
 from stillrate.singer import SingerCoefficients, singer_coefficients
 
+if TYPE_CHECKING:
+    from stillrate.io import Log, read, write
+
 __all__ = [
     "ArKf",
     "Biquad",
@@ -36,6 +41,7 @@ __all__ = [
     "Flags",
     "GyroNoise",
     "LinearPrediction",
+    "Log",
     "LogError",
     "MsImmIkf",
     "MsImmIkfPaper",
@@ -51,5 +57,25 @@ __all__ = [
     "VariableForgetting",
     "__version__",
     "load_config",
+    "read",
     "singer_coefficients",
+    "write",
 ]
+
+_LATER = {"Log": "io", "read": "io", "write": "io"}
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is not needed for filtering when it is first asked for."""
+    if name not in _LATER:
+        import difflib
+
+        near = difflib.get_close_matches(name, __all__, n=1)
+        raise AttributeError(f"stillrate has no {name!r}" + (f": did you mean {near[0]!r}?" if near else ""))
+    import importlib
+
+    return getattr(importlib.import_module(f"stillrate.{_LATER[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
