@@ -27,6 +27,7 @@ from stillrate.results import Estimate, Flags, Trace
 from stillrate.singer import SingerCoefficients, singer_coefficients
 
 if TYPE_CHECKING:
+    from stillrate import gimbal, platform
     from stillrate.io import Log, read, write
 
 __all__ = [
@@ -56,13 +57,16 @@ __all__ = [
     "Trace",
     "VariableForgetting",
     "__version__",
+    "gimbal",
     "load_config",
-    "read",
+from typing import TYPE_CHECKING, Any
+
     "singer_coefficients",
     "write",
 ]
 
-_LATER = {"Log": "io", "read": "io", "write": "io"}
+# What filtering does not need, by the module it lives in; a name that is its own module stands for the module.
+_LATER = {"Log": "io", "gimbal": "gimbal", "platform": "platform", "read": "io", "write": "io"}
 
 
 def __getattr__(name: str) -> Any:
@@ -74,7 +78,8 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"stillrate has no {name!r}" + (f": did you mean {near[0]!r}?" if near else ""))
     import importlib
 
-    return getattr(importlib.import_module(f"stillrate.{_LATER[name]}"), name)
+    module = importlib.import_module(f"stillrate.{_LATER[name]}")
+    return module if _LATER[name] == name else getattr(module, name)
 
 
 def __dir__() -> list[str]:

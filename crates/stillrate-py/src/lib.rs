@@ -4,17 +4,28 @@
 
 use pyo3::prelude::*;
 
+mod analysis;
 mod convert;
+mod drift;
 mod filter;
+mod gimbal;
+mod gimbal_parts;
 mod inspect;
 mod logs;
+mod rate_table;
+mod servo;
 
 /// The compiled half of the Python package.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(module)?;
+    rate_table::register(module)?;
+    gimbal::register(module)?;
     inspect::register(module)?;
     logs::register(module)?;
+    analysis::register(module)?;
+    drift::register(module)?;
+    servo::register(module)?;
     Ok(())
 }
