@@ -22,15 +22,32 @@ from stillrate.methods import (
     SingerKf,
     VariableForgetting,
 )
-from stillrate.noise import GyroNoise
+from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 from stillrate.results import Estimate, Flags, Trace
-from stillrate.singer import SingerCoefficients, singer_coefficients
 
 if TYPE_CHECKING:
-    from stillrate import gimbal, platform
+    from stillrate import gimbal, metrics, platform, simulate
+    from stillrate.allan_deviation import Allan, allan
     from stillrate.io import Log, read, write
+    from stillrate.singer import SingerCoefficients, singer_coefficients
+
+# What filtering does not need, by the module it lives in; a name that is its own module stands for the module.
+_LATER = {
+    "Allan": "allan_deviation",
+    "Log": "io",
+    "SingerCoefficients": "singer",
+    "allan": "allan_deviation",
+    "gimbal": "gimbal",
+    "metrics": "metrics",
+    "platform": "platform",
+    "read": "io",
+    "simulate": "simulate",
+    "singer_coefficients": "singer",
+    "write": "io",
+}
 
 __all__ = [
+    "Allan",
     "ArKf",
     "Biquad",
     "Config",
@@ -46,6 +63,7 @@ __all__ = [
     "LogError",
     "MsImmIkf",
     "MsImmIkfPaper",
+    "NoiseFromLog",
     "OneEuro",
     "Pt1",
     "RandomWalkKf",
@@ -57,16 +75,17 @@ __all__ = [
     "Trace",
     "VariableForgetting",
     "__version__",
+    "allan",
     "gimbal",
     "load_config",
-from typing import TYPE_CHECKING, Any
-
+    "metrics",
+    "noise_from_log",
+    "platform",
+    "read",
+    "simulate",
     "singer_coefficients",
     "write",
 ]
-
-# What filtering does not need, by the module it lives in; a name that is its own module stands for the module.
-_LATER = {"Log": "io", "gimbal": "gimbal", "platform": "platform", "read": "io", "write": "io"}
 
 
 def __getattr__(name: str) -> Any:
@@ -79,7 +98,9 @@ def __getattr__(name: str) -> Any:
     import importlib
 
     module = importlib.import_module(f"stillrate.{_LATER[name]}")
-    return module if _LATER[name] == name else getattr(module, name)
+    found = module if _LATER[name] == name else getattr(module, name)
+    globals()[name] = found
+    return found
 
 
 def __dir__() -> list[str]:

@@ -1,8 +1,6 @@
-//! Settings from data: noise figures and autoregressive models from a log.
+//! Finding the numbers a filter needs: noise figures and autoregressive models from a log, optimisers and what they make small.
 
 pub mod autoregressive;
-//! Finding the numbers a filter needs: noise figures from a log, optimisers and what they make small.
-
 pub mod bank_likelihood;
 pub mod brent;
 mod candidates;
