@@ -66,7 +66,7 @@ pub fn fit(candidate: Candidate, points: &[Point], seed: u64) -> Option<ErrorCur
     let inputs = if points.first()?.temperature.is_some() { 2 } else { 1 };
     let rows: Vec<f64> = points.iter().flat_map(|p| core::iter::once(p.rate).chain(p.temperature)).collect();
     let targets: Vec<f64> = points.iter().map(|p| p.error).collect();
-    let total: f64 = points.iter().map(|p| weight(p)).sum();
+    let total: f64 = points.iter().map(weight).sum();
     let weights: Vec<f64> = points.iter().map(|p| weight(p) * points.len() as f64 / total).collect();
     let scaling = Scaling::spanning(&rows, inputs, &targets);
     let scaled = scaling.inward(&rows);

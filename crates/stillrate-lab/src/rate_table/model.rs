@@ -139,7 +139,7 @@ impl ErrorModel {
             return Err(format!("unknown field {unknown:?}"));
         }
         let sum = checksum(&canonical);
-        if given != Value::from(sum.clone()) {
+        if given != sum.clone() {
             return Err(format!("checksum is {given} but the content has \"{sum}\": the file was changed or damaged"));
         }
         guard(&model.curve, model.slope_limit)?;

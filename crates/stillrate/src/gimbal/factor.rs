@@ -128,10 +128,8 @@ impl<T: Real, const N: usize> Factor<T, N> {
                 rotate(&mut extra, &mut a, 0);
             }
         }
-        for r in 0..3 {
-            columns[0][r] = a[r];
-            columns[1][r] = b[r];
-            columns[2][r] = c[r];
+        for (column, rotated) in columns.iter_mut().zip([a, b, c]) {
+            column[..3].copy_from_slice(&rotated);
         }
     }
 

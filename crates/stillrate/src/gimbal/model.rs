@@ -68,7 +68,7 @@ impl Model {
     /// [`ConfigError`] if gravity is not positive or the latitude not within +-pi/2.
     pub fn new(gravity_m_s2: f64, latitude_rad: f64) -> Result<Self, ConfigError> {
         positive("gravity_m_s2", gravity_m_s2, "m/s^2")?;
-        if !(latitude_rad.magnitude() <= core::f64::consts::FRAC_PI_2) {
+        if !(-core::f64::consts::FRAC_PI_2..=core::f64::consts::FRAC_PI_2).contains(&latitude_rad) {
             return Err(ConfigError::new("latitude_rad", latitude_rad, "rad", "within -pi/2 and pi/2"));
         }
         Ok(Self {
