@@ -3,6 +3,7 @@
 from stillrate import gimbal
 from stillrate import platform
 from stillrate import attitude, closed_forms
+from typing import TYPE_CHECKING, Any
 from stillrate._native import Filter, __version__
 from stillrate.bias import ReferenceBias, reference_bias
 from stillrate import gimbal, metrics, platform, rate_table, simulate
@@ -31,11 +32,30 @@ from stillrate.observe import Observability, bench_imu, observability
 from stillrate.results import Estimate, Flags, Trace
 from stillrate.singer import SingerCoefficients, singer_coefficients
 from stillrate.vector_rls import VectorRls
+if TYPE_CHECKING:
+    from stillrate import gimbal, metrics, platform, simulate
+    from stillrate.allan_deviation import Allan, allan
+    from stillrate.io import Log, read, write
+    from stillrate.singer import SingerCoefficients, singer_coefficients
+# What filtering does not need, by the module it lives in; a name that is its own module stands for the module.
+_LATER = {
+    "Allan": "allan_deviation",
+    "Log": "io",
+    "SingerCoefficients": "singer",
+    "allan": "allan_deviation",
+    "gimbal": "gimbal",
+    "metrics": "metrics",
+    "platform": "platform",
+    "read": "io",
+    "simulate": "simulate",
+    "singer_coefficients": "singer",
+    "write": "io",
+}
 
 __all__ = [
+    "Allan",
     "ArKf",
     "Biquad",
-    "Allan",
     "Config",
     "ConfigError",
     "CusumForgetting",
@@ -45,12 +65,14 @@ __all__ = [
     "Flags",
     "GyroNoise",
     "LinearPrediction",
+    "Log",
     "LogError",
     "MsImmIkf",
     "MsImmIkfPaper",
     "Observability",
     "OneEuro",
     "NoiseFromLog",
+    "OneEuro",
     "Pt1",
     "RandomWalkKf",
     "RecursiveLeastSquares",
@@ -63,12 +85,13 @@ __all__ = [
     "VariableForgetting",
     "VectorRls",
     "__version__",
+    "allan",
     "gimbal",
     "load_config",
-    "platform",
-    "allan",
     "metrics",
     "noise_from_log",
+    "platform",
+    "read",
     "simulate",
     "attitude",
     "bench_imu",
@@ -77,4 +100,24 @@ __all__ = [
     "reference_bias",
     "rate_table",
     "singer_coefficients",
+    "write",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is not needed for filtering when it is first asked for."""
+    if name not in _LATER:
+        import difflib
+
+        near = difflib.get_close_matches(name, __all__, n=1)
+        raise AttributeError(f"stillrate has no {name!r}" + (f": did you mean {near[0]!r}?" if near else ""))
+    import importlib
+
+    module = importlib.import_module(f"stillrate.{_LATER[name]}")
+    found = module if _LATER[name] == name else getattr(module, name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

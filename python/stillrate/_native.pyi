@@ -50,6 +50,9 @@ class Filter:
 
 def resolve(method: str, settings: _Settings) -> dict[str, Any]: ...
 def method_names() -> list[str]: ...
+def singer_coefficients(
+    alpha_per_s: float, dt_s: float, single: bool
+) -> tuple[float, float, float, float, float]: ...
 
 class _Delimited(TypedDict):
     names: list[str]
