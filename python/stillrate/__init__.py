@@ -1,13 +1,8 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
-from stillrate import gimbal
-from stillrate import platform
-from stillrate import attitude, closed_forms
 from typing import TYPE_CHECKING, Any
+
 from stillrate._native import Filter, __version__
-from stillrate.bias import ReferenceBias, reference_bias
-from stillrate import gimbal, metrics, platform, rate_table, simulate
-from stillrate.allan_deviation import Allan, allan
 from stillrate.config import Config, load_config
 from stillrate.errors import ConfigError, LogError
 from stillrate.methods import (
@@ -28,25 +23,38 @@ from stillrate.methods import (
     VariableForgetting,
 )
 from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
-from stillrate.observe import Observability, bench_imu, observability
 from stillrate.results import Estimate, Flags, Trace
-from stillrate.singer import SingerCoefficients, singer_coefficients
-from stillrate.vector_rls import VectorRls
+
 if TYPE_CHECKING:
-    from stillrate import gimbal, metrics, platform, simulate
+    from stillrate import attitude, closed_forms, gimbal, metrics, platform, rate_table, simulate
     from stillrate.allan_deviation import Allan, allan
+    from stillrate.bias import ReferenceBias, reference_bias
+    from stillrate.cleaning import denoise
     from stillrate.io import Log, read, write
+    from stillrate.observe import Observability, bench_imu, observability
     from stillrate.singer import SingerCoefficients, singer_coefficients
+    from stillrate.vector_rls import VectorRls
+
 # What filtering does not need, by the module it lives in; a name that is its own module stands for the module.
 _LATER = {
     "Allan": "allan_deviation",
     "Log": "io",
+    "Observability": "observe",
+    "ReferenceBias": "bias",
     "SingerCoefficients": "singer",
+    "VectorRls": "vector_rls",
     "allan": "allan_deviation",
+    "attitude": "attitude",
+    "bench_imu": "observe",
+    "closed_forms": "closed_forms",
+    "denoise": "cleaning",
     "gimbal": "gimbal",
     "metrics": "metrics",
+    "observability": "observe",
     "platform": "platform",
+    "rate_table": "rate_table",
     "read": "io",
+    "reference_bias": "bias",
     "simulate": "simulate",
     "singer_coefficients": "singer",
     "write": "io",
@@ -69,9 +77,8 @@ __all__ = [
     "LogError",
     "MsImmIkf",
     "MsImmIkfPaper",
-    "Observability",
-    "OneEuro",
     "NoiseFromLog",
+    "Observability",
     "OneEuro",
     "Pt1",
     "RandomWalkKf",
@@ -86,19 +93,20 @@ __all__ = [
     "VectorRls",
     "__version__",
     "allan",
+    "attitude",
+    "bench_imu",
+    "closed_forms",
+    "denoise",
     "gimbal",
     "load_config",
     "metrics",
     "noise_from_log",
-    "platform",
-    "read",
-    "simulate",
-    "attitude",
-    "bench_imu",
-    "closed_forms",
     "observability",
-    "reference_bias",
+    "platform",
     "rate_table",
+    "read",
+    "reference_bias",
+    "simulate",
     "singer_coefficients",
     "write",
 ]

@@ -6,7 +6,7 @@
 use stillrate::filters::{ArKfSettings, MsImmIkfPaperSettings, MsImmIkfSettings, SingerImmKfSettings};
 use stillrate::{Filter, GyroNoise, ModelTrace, Observer, Sample, Settings};
 use stillrate_lab::bounds::clairvoyant;
-use stillrate_lab::metrics::{lag_ms, rmse, rms_about_mean};
+use stillrate_lab::metrics::{lag_ms, rms_about_mean, rmse};
 use stillrate_lab::simulate::{Bed, BedKind, BedSettings};
 
 const SEED: u64 = 5000;
@@ -143,9 +143,8 @@ impl Observer<f64> for First {
 
 #[test]
 fn published_filters_reproduce_the_published_ratios_at_rest() {
-    let beds: Vec<Bed> = (0..10)
-        .map(|k| BedSettings::new(BedKind::Static, 50.0, SEED + 100 + k).simulate().unwrap())
-        .collect();
+    let beds: Vec<Bed> =
+        (0..10).map(|k| BedSettings::new(BedKind::Static, 50.0, SEED + 100 + k).simulate().unwrap()).collect();
     let noise = noise();
     let suppressed = |outputs: Vec<Vec<f64>>| root_mean(outputs.iter().map(|y| rms_about_mean(y).powi(2)));
     let raw = suppressed(beds.iter().map(|bed| bed.measured_dps.clone()).collect());

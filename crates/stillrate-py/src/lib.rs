@@ -13,10 +13,10 @@ mod gimbal;
 mod gimbal_parts;
 mod inspect;
 mod logs;
-mod rate_table;
-mod servo;
 mod observability;
+mod rate_table;
 mod recursive;
+mod servo;
 
 /// The compiled half of the Python package.
 #[pymodule]
