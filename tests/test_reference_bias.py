@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import stillrate as sr
 from stillrate import attitude
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from stillrate import attitude, closed_forms, gimbal, metrics, platform, rate_table, simulate
     from stillrate.allan_deviation import Allan, allan
     from stillrate.bias import ReferenceBias, reference_bias
-    from stillrate.cleaning import denoise
+    from stillrate.denoising import denoise
     from stillrate.io import Log, read, write
     from stillrate.observe import Observability, bench_imu, observability
     from stillrate.singer import SingerCoefficients, singer_coefficients
@@ -47,7 +47,7 @@ _LATER = {
     "attitude": "attitude",
     "bench_imu": "observe",
     "closed_forms": "closed_forms",
-    "denoise": "cleaning",
+    "denoise": "denoising",
     "gimbal": "gimbal",
     "metrics": "metrics",
     "observability": "observe",

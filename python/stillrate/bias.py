@@ -97,9 +97,7 @@ class ReferenceBias:
     @property
     def unobservable(self) -> tuple[str, ...]:
         """Names of what the motion tells less about than was known before."""
-        return tuple(
-            name for name, ratio in zip(self.names, self.posterior_over_prior, strict=True) if ratio > 0.7
-        )
+        return tuple(name for name, ratio in zip(self.names, self.posterior_over_prior, strict=True) if ratio > 0.7)
 
 
 def reference_bias(

@@ -150,9 +150,7 @@ def observability(
         each("prior_sigma", prior_sigma, n),
         each("process_density", process_density, n),
     )
-    weak = tuple(
-        WeakDirection(ratio, _named(names, components)) for ratio, components in found.pop("weak_directions")
-    )
+    weak = tuple(WeakDirection(ratio, _named(names, components)) for ratio, components in found.pop("weak_directions"))
     known = {item.name for item in fields(Observability)}
     values = {name: tuple(v) if isinstance(v, list) else v for name, v in found.items() if name in known}
     return Observability(states=names, weak_directions=weak, **values)

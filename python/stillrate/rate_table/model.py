@@ -194,17 +194,13 @@ class ErrorModel:
         """Return how much the correction helps on a log, or on the left-out rates of the fit if no log is given."""
         if rate_dps is None or true_dps is None:
             raw, corrected = self.uncorrected_dps, self.held_out_dps
-            return Score(
-                raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=0.0, held_out=True
-            )
+            return Score(raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=0.0, held_out=True)
         measured, true = as_floats(rate_dps, "rate_dps"), as_floats(true_dps, "true_dps")
         if measured.size != true.size:
             raise LogError(f"{true.size} true rates for {measured.size} measured ones (must be as many)")
         temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c")
         raw, corrected, share = refusals(self.native.score, measured, true, temperature)
-        return Score(
-            raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=share, held_out=False
-        )
+        return Score(raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=share, held_out=False)
 
     def save(self, path: str | Path, *, force: bool = False) -> None:
         """Write the model as JSON with version and checksum.
@@ -348,8 +344,14 @@ def fit_points(
     seed: int = 1,
 ) -> ErrorModel:
     """Fit averaged calibration points: true rate, mean error and its standard error, all in deg/s."""
-    columns = [as_floats(values, name).tolist() for values, name in (
-        (rate_dps, "rate_dps"), (error_dps, "error_dps"), (standard_error_dps, "standard_error_dps"))]
+    columns = [
+        as_floats(values, name).tolist()
+        for values, name in (
+            (rate_dps, "rate_dps"),
+            (error_dps, "error_dps"),
+            (standard_error_dps, "standard_error_dps"),
+        )
+    ]
     temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c").tolist()
     names = None if candidates is None else list(candidates)
     made = refusals(_native.rate_table_fit_points, *columns, temperature, names, slope_limit, seed)

@@ -70,7 +70,9 @@ def claims(bench: dict[str, Any], steady: list[dict[str, Any]], fixes: list[Any]
             f"mixed motion: error {rows['EMA .9512'][-1]:.1f} sigma; VFF {rows['VFF'][-1]:.2f}",
             rows["EMA .9512"][-1] < 1.0,
         ),
-        Claim("bias from two fixes to 0.1 % (.15 deg/h), without noise", f"exact method {exact:.1e} deg/h", exact < 0.15),
+        Claim(
+            "bias from two fixes to 0.1 % (.15 deg/h), without noise", f"exact method {exact:.1e} deg/h", exact < 0.15
+        ),
         Claim("the same with the small-angle formula", f"error up to {short:.1f} deg/h", short < 0.15),
         Claim(
             "0.1 % with a real gyro (.3 deg/sqrt(h), 2.5 s)",
