@@ -28,6 +28,7 @@ from stillrate.results import Estimate, Flags, Trace
 if TYPE_CHECKING:
     from stillrate import gimbal, metrics, platform, simulate
     from stillrate.allan_deviation import Allan, allan
+    from stillrate.cleaning import denoise
     from stillrate.io import Log, read, write
     from stillrate.singer import SingerCoefficients, singer_coefficients
 
@@ -37,6 +38,7 @@ _LATER = {
     "Log": "io",
     "SingerCoefficients": "singer",
     "allan": "allan_deviation",
+    "denoise": "cleaning",
     "gimbal": "gimbal",
     "metrics": "metrics",
     "platform": "platform",
@@ -76,6 +78,7 @@ __all__ = [
     "VariableForgetting",
     "__version__",
     "allan",
+    "denoise",
     "gimbal",
     "load_config",
     "metrics",
