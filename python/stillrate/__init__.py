@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from stillrate.cleaning import denoise
     from stillrate.io import Log, read, write
     from stillrate.singer import SingerCoefficients, singer_coefficients
+    from stillrate.tuning import tune
 
 # What filtering does not need, by the module it lives in; a name that is its own module stands for the module.
 _LATER = {
@@ -45,6 +46,7 @@ _LATER = {
     "read": "io",
     "simulate": "simulate",
     "singer_coefficients": "singer",
+    "tune": "tuning",
     "write": "io",
 }
 
@@ -87,6 +89,7 @@ __all__ = [
     "read",
     "simulate",
     "singer_coefficients",
+    "tune",
     "write",
 ]
 
