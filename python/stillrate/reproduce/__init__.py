@@ -1,1 +1,1 @@
-"""Published studies run again: one module a study, each with a function ``reproduce``."""
+"""Published tables beside ours; one function a paper section."""
