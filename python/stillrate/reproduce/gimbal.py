@@ -8,13 +8,17 @@ the exact model; the published coefficients and trajectory are not known. Starts
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stillrate import _native
 from stillrate.gimbal import Head
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 METHODS = {
     "recursive Gauss-Newton": ("relinearised", "model"),
@@ -126,7 +130,22 @@ def _summary(case: str, method: str, draws: list[dict[str, Any]]) -> Summary:
     )
 
 
-def reproduce(draws: int = 20, seed: int = 1001) -> Reproduction:
+def reproduce(draws: int = 20, seed: int = 1001) -> Iterator[Table | str]:
+    """Yield the table of all methods and starts, and a sentence on each published claim."""
+    from rich.table import Table
+
+    found = study(draws, seed)
+    table = Table(title=f"gimbal calibration: {found.draws} draws, 900 s, 1 deg/s", title_justify="left")
+    for column in found.columns:
+        table.add_column(column)
+    for line in found.lines:
+        table.add_row(*line.cells())
+    yield table
+    for claim in found.claims:
+        yield f"{'holds' if claim.holds else 'does not hold'}: {claim.claim}. {claim.verdict}"
+
+
+def study(draws: int = 20, seed: int = 1001) -> Reproduction:
     """Run the study.
 
     Parameters
