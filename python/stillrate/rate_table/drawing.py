@@ -89,8 +89,8 @@ def picture(
         f'<text transform="translate(14 {height / 2}) rotate(-90)" text-anchor="middle">{html.escape(y_label)}</text>'
     )
     for k, line in enumerate(lines):
-        y = scaled(line.y)
-        points = [(px(float(a)), py(float(b))) for a, b in zip(line.x, y, strict=True) if math.isfinite(b)]
+        heights = scaled(line.y)
+        points = [(px(float(a)), py(float(b))) for a, b in zip(line.x, heights, strict=True) if math.isfinite(b)]
         if not line.marks:
             path = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
             out.append(f'<polyline fill="none" stroke="{line.colour}" stroke-width="1.6" points="{path}"/>')

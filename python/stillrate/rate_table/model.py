@@ -22,7 +22,7 @@ MAX_BYTES = 65_536
 def as_floats(values: npt.ArrayLike, name: str) -> Floats:
     """Return one-dimensional contiguous double precision; masked samples become NaN."""
     if isinstance(values, np.ma.MaskedArray):
-        values = values.astype(np.float64).filled(np.nan)
+        values = np.ma.filled(values.astype(np.float64), np.nan)
     array = np.ascontiguousarray(values, dtype=np.float64)
     if array.ndim != 1:
         raise LogError(f"{name} has {array.ndim} dimensions (must have 1)")
@@ -170,8 +170,7 @@ class ErrorModel:
 
     def outside(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> npt.NDArray[np.bool_]:
         """Return where rates lie outside the calibrated range."""
-        result: npt.NDArray[np.bool_] = self._map("error", rate_dps, temperature_c)[1]
-        return result
+        return self._map("error", rate_dps, temperature_c)[1]
 
     def slope(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> Floats:
         """Return the slope of the error in the rate; 0 outside the calibrated range."""
@@ -251,12 +250,15 @@ class ErrorModel:
             calibration=calibration,
         )
 
-    def _map(self, what: str, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None) -> Any:
+    def _map(
+        self, what: str, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None
+    ) -> tuple[Floats, npt.NDArray[np.bool_]]:
         rates = as_floats(np.atleast_1d(rate_dps), "rate_dps")
         temperature = None
         if temperature_c is not None:
             temperature = as_floats(np.broadcast_to(temperature_c, rates.shape), "temperature_c")
-        return refusals(getattr(self.native, what), rates, temperature)
+        pair: tuple[Floats, npt.NDArray[np.bool_]] = refusals(getattr(self.native, what), rates, temperature)
+        return pair
 
 
 def plateaus(
