@@ -234,6 +234,7 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut Self::State, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
         let begins = checked.present && (state.started == T::ZERO || checked.restart);
         let start = self.start();
         let models: [Gaussian2<T>; 2] = core::array::from_fn(|i| {
