@@ -12,9 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numba import njit
-
 import stillrate as sr
+from numba import njit
 from stillrate import _native
 
 SAMPLES = 50_000

@@ -287,5 +287,6 @@ def servo_describe(
     noise_sigma_dps: float,
     run: tuple[int, int],
 ) -> list[tuple[float, float]]: ...
+
 # The other families are typed by the modules that wrap them.
 def __getattr__(name: str) -> Any: ...
