@@ -86,7 +86,9 @@ class _Channel:
     view: View | None
 
 
-def settings_for(log: Log, *, method: str | None = None, config: Config | None = None) -> tuple[dict[str, Config], list[str]]:
+def settings_for(
+    log: Log, *, method: str | None = None, config: Config | None = None
+) -> tuple[dict[str, Config], list[str]]:
     """Return a configuration for each channel: the given one at the log's rate, or noise taken from the log itself.
 
     Raises
@@ -149,14 +151,15 @@ def clean(
         if done.view is not None:
             seen[channel] = done.view
         counts[channel] = done.counts
-    made = {"version": __version__, "configuration": {name: config.to_toml() for name, config in configs.items()}}
+    made = {
+        "version": __version__,
+        "configuration": {name: config.to_toml() for name, config in configs.items()},
+    }
     meta = {**log.meta, "stillrate": made}
     return Cleaned(log, dataclasses.replace(log, rate_dps=rates, meta=meta), dict(configs), bits, counts, seen, notes)
 
 
-def _channel(
-    log: Log, index: int, config: Config, views: bool, progress: Progress | None
-) -> _Channel:
+def _channel(log: Log, index: int, config: Config, views: bool, progress: Progress | None) -> _Channel:
     """Run one channel in chunks."""
     samples = np.ascontiguousarray(log.rate_dps[:, index])
     steps = log.steps_s()

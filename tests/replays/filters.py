@@ -115,5 +115,7 @@ def closed_forms(rows: list[dict[str, Any]]) -> dict[str, np.ndarray]:
     found = {}
     for index, row in enumerate(rows):
         coefficients = sr.singer_coefficients(row["alpha"], row["T"])._asdict()
+        # The answers belong to the decimal alpha T; the nearest f64 of T = 0.02 is 4e-17 off, which e^-50 shows 50-fold.
+        coefficients["s"] = sr.singer_coefficients(row["aT"], 1.0).s
         found |= {f"{index}/{name}": np.array(value) for name, value in coefficients.items()}
     return found

@@ -210,48 +210,36 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
         Ok(Self { states: vec![filter.start(); channels], last: vec![blank; channels], settings, filter })
     }
 
-    /// Runs every channel over the table, the widest group of channels that fits at a time.
-    fn run_table<U: Real>(&mut self, table: Table<'_, U>, timing: Timing<'_>, output: &mut [T]) {
+    /// Runs every channel over the source, the widest group of channels that fits at a time.
+    fn run_source(&mut self, source: Source<'_>, timing: Timing<'_>, output: &mut [T]) {
         let channels = self.states.len();
         let mut first = 0;
         while first < channels {
             let left = channels - first;
-            let used = if left > T::WIDTH / 2 && T::WIDTH > 4 {
-                let used = left.min(T::WIDTH);
-                T::run_widest(&self.filter, &mut self.states[first..first + used], first, table, timing, output);
-                used
-            } else if left >= 2 {
-                let used = left.min(4);
-                wide::run_group::<T, U, _, 4>(
-                    &self.filter,
-                    &mut self.states[first..first + used],
-                    first,
-                    table,
-                    timing,
-                    output,
-                );
-                used
+            let width = if left > T::WIDTH / 2 {
+                T::WIDTH
+            } else if left > 1 {
+                4
             } else {
-                wide::run_group::<T, U, _, 1>(
-                    &self.filter,
-                    &mut self.states[first..=first],
-                    first,
-                    table,
-                    timing,
-                    output,
-                );
                 1
             };
+            let used = left.min(width);
+            let group = &mut self.states[first..first + used];
+            match width {
+                1 => wide::run_group::<T, _, 1>(&self.filter, group, first, source, timing, output),
+                4 => wide::run_group::<T, _, 4>(&self.filter, group, first, source, timing, output),
+                _ => T::run_widest(&self.filter, group, first, source, timing, output),
+            }
             first += used;
         }
     }
 
-    fn trace_table<U: Real>(&mut self, table: Table<'_, U>, timing: Timing<'_>) -> Trace {
+    fn trace_source(&mut self, source: Source<'_>, timing: Timing<'_>) -> Trace {
         let (channels, models) = (self.states.len(), self.filter.models());
         let mut trace = Trace { models, ..Trace::default() };
-        for row in 0..table.rows {
+        for row in 0..source.shape().0 {
             for c in 0..channels {
-                let value = T::of(table.items[row * table.row_stride + c * table.channel_stride].widen());
+                let value = T::of(source.at(row, c));
                 let dt = match timing {
                     Timing::Regular => self.filter.period(),
                     Timing::Steps(steps) => T::of(steps[row]),
@@ -357,10 +345,7 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
 
     fn run(&mut self, source: Source<'_>, timing: Timing<'_>, sink: Sink<'_>) -> bool {
         let Some(output) = T::sink(sink) else { return false };
-        let (rows, channels) = match source {
-            Source::Single(table) => (table.rows, table.channels),
-            Source::Double(table) => (table.rows, table.channels),
-        };
+        let (rows, channels) = source.shape();
         let timed = match timing {
             Timing::Regular => true,
             Timing::Steps(steps) => steps.len() == rows,
@@ -370,29 +355,14 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
         }
         // All but the last sample at full speed, the last one watched, so that the estimate is complete.
         let ahead = rows.saturating_sub(1);
-        let split = |timing: Timing<'_>, first: bool| -> Vec<f64> {
-            match timing {
-                Timing::Steps(steps) if !first && !steps.is_empty() => vec![steps[ahead]],
-                _ => Vec::new(),
-            }
+        let (timing, last_step) = match timing {
+            Timing::Regular => (Timing::Regular, None),
+            Timing::Steps(steps) => (Timing::Steps(&steps[..ahead]), steps.last().copied()),
         };
-        let last_step = split(timing, false);
-        let timing = match timing {
-            Timing::Steps(steps) => Timing::Steps(&steps[..ahead]),
-            Timing::Regular => Timing::Regular,
-        };
-        match source {
-            Source::Single(table) => self.run_table(table.first(ahead), timing, &mut output[..ahead * channels]),
-            Source::Double(table) => self.run_table(table.first(ahead), timing, &mut output[..ahead * channels]),
-        }
+        self.run_source(source.first(ahead), timing, &mut output[..ahead * channels]);
         if rows > 0 {
-            let mut values: Vec<f64> = (0..channels)
-                .map(|c| match source {
-                    Source::Single(table) => table.at(ahead, c).widen(),
-                    Source::Double(table) => table.at(ahead, c),
-                })
-                .collect();
-            self.update(&mut values, last_step.first().copied());
+            let mut values: Vec<f64> = (0..channels).map(|c| source.at(ahead, c)).collect();
+            self.update(&mut values, last_step);
             for (out, value) in output[ahead * channels..].iter_mut().zip(&values) {
                 *out = T::of(*value);
             }
@@ -401,10 +371,7 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
     }
 
     fn trace(&mut self, source: Source<'_>, timing: Timing<'_>) -> Trace {
-        match source {
-            Source::Single(table) => self.trace_table(table, timing),
-            Source::Double(table) => self.trace_table(table, timing),
-        }
+        self.trace_source(source, timing)
     }
 
     fn estimate(&self, channel: usize) -> LastEstimate {
@@ -446,6 +413,33 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
             states: self.states.clone(),
             last: self.last.clone(),
         })
+    }
+}
+
+impl Source<'_> {
+    /// Number of samples and of channels.
+    #[must_use]
+    pub fn shape(&self) -> (usize, usize) {
+        match self {
+            Self::Single(table) => (table.rows, table.channels),
+            Self::Double(table) => (table.rows, table.channels),
+        }
+    }
+    /// The first `rows` samples.
+    #[must_use]
+    pub fn first(self, rows: usize) -> Self {
+        match self {
+            Self::Single(table) => Self::Single(table.first(rows)),
+            Self::Double(table) => Self::Double(table.first(rows)),
+        }
+    }
+    /// One sample, widened.
+    #[must_use]
+    pub fn at(&self, row: usize, channel: usize) -> f64 {
+        match self {
+            Self::Single(table) => table.at(row, channel).widen(),
+            Self::Double(table) => table.at(row, channel),
+        }
     }
 }
 

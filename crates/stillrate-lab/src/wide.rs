@@ -4,7 +4,7 @@
 use stillrate::block;
 use stillrate::{Filter, Real, Reals};
 
-use crate::runner::{Precision, Sink, Table, Timing};
+use crate::runner::{Precision, Sink, Source, Table, Timing};
 
 /// Rows of a tile: large enough to hide the hand-over, small enough for the first-level cache.
 const ROWS: usize = 128;
@@ -18,11 +18,11 @@ pub trait Wide: Real {
     /// The sink, if it is of this type.
     fn sink(sink: Sink<'_>) -> Option<&mut [Self]>;
     /// [`run_group`] at [`Wide::WIDTH`].
-    fn run_widest<U: Real, F: Filter<Self>>(
+    fn run_widest<F: Filter<Self>>(
         filter: &F,
         states: &mut [F::State],
         first: usize,
-        table: Table<'_, U>,
+        source: Source<'_>,
         timing: Timing<'_>,
         output: &mut [Self],
     );
@@ -39,15 +39,15 @@ macro_rules! wide {
                     _ => None,
                 }
             }
-            fn run_widest<U: Real, F: Filter<Self>>(
+            fn run_widest<F: Filter<Self>>(
                 filter: &F,
                 states: &mut [F::State],
                 first: usize,
-                table: Table<'_, U>,
+                source: Source<'_>,
                 timing: Timing<'_>,
                 output: &mut [Self],
             ) {
-                run_group::<Self, U, F, $width>(filter, states, first, table, timing, output);
+                run_group::<Self, F, $width>(filter, states, first, source, timing, output);
             }
         }
     };
@@ -58,15 +58,16 @@ wide!(f64, 8, Double);
 
 /// Runs `states.len() <= W` channels, starting with channel `first`, over a table into sample-major `output`.
 /// Idle lanes see missing samples.
-pub fn run_group<T: Real, U: Real, F: Filter<T>, const W: usize>(
+pub fn run_group<T: Real, F: Filter<T>, const W: usize>(
     filter: &F,
     states: &mut [F::State],
     first: usize,
-    table: Table<'_, U>,
+    source: Source<'_>,
     timing: Timing<'_>,
     output: &mut [T],
 ) {
     let used = states.len().min(W);
+    let (total, channels) = source.shape();
     let mut lanes = vec![[T::ZERO; W]; <F::State as Reals<T>>::COUNT];
     for c in 0..W {
         let state = if c < used { states[c] } else { filter.start() };
@@ -74,14 +75,11 @@ pub fn run_group<T: Real, U: Real, F: Filter<T>, const W: usize>(
     }
     let mut tile = [[T::of(f64::NAN); W]; ROWS];
     let mut start = 0;
-    while start < table.rows {
-        let rows = ROWS.min(table.rows - start);
-        for (k, row) in tile[..rows].iter_mut().enumerate() {
-            let base = (start + k) * table.row_stride + first * table.channel_stride;
-            for (c, cell) in row[..used].iter_mut().enumerate() {
-                *cell = T::of(table.items[base + c * table.channel_stride].widen());
-            }
-            row[used..].fill(T::of(f64::NAN));
+    while start < total {
+        let rows = ROWS.min(total - start);
+        match source {
+            Source::Single(table) => fill(&table, start, first, used, &mut tile[..rows]),
+            Source::Double(table) => fill(&table, start, first, used, &mut tile[..rows]),
         }
         match timing {
             Timing::Regular => tile_widest(filter, &mut lanes, &mut tile[..rows], filter.period()),
@@ -92,13 +90,30 @@ pub fn run_group<T: Real, U: Real, F: Filter<T>, const W: usize>(
             }
         }
         for (k, row) in tile[..rows].iter().enumerate() {
-            let base = (start + k) * table.channels + first;
+            let base = (start + k) * channels + first;
             output[base..base + used].copy_from_slice(&row[..used]);
         }
         start += rows;
     }
     for (c, state) in states.iter_mut().enumerate().take(used) {
         *state = block::load(&lanes, c);
+    }
+}
+
+/// Copies rows from `start` on into the tile: `used` channels from `first` on, missing samples in idle lanes.
+fn fill<T: Real, U: Real, const W: usize>(
+    table: &Table<'_, U>,
+    start: usize,
+    first: usize,
+    used: usize,
+    tile: &mut [[T; W]],
+) {
+    for (k, row) in tile.iter_mut().enumerate() {
+        let base = (start + k) * table.row_stride + first * table.channel_stride;
+        for (c, cell) in row[..used].iter_mut().enumerate() {
+            *cell = T::of(table.items[base + c * table.channel_stride].widen());
+        }
+        row[used..].fill(T::of(f64::NAN));
     }
 }
 

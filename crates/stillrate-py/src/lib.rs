@@ -4,13 +4,19 @@
 
 use pyo3::prelude::*;
 
+mod analysis;
 mod attitude;
 mod convert;
+mod drift;
 mod filter;
+mod gimbal;
+mod gimbal_parts;
 mod inspect;
 mod logs;
 mod observability;
+mod rate_table;
 mod recursive;
+mod servo;
 
 /// The compiled half of the Python package.
 #[pymodule]
@@ -18,8 +24,13 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     attitude::register(module)?;
     filter::register(module)?;
+    rate_table::register(module)?;
+    gimbal::register(module)?;
     inspect::register(module)?;
     logs::register(module)?;
+    analysis::register(module)?;
+    drift::register(module)?;
+    servo::register(module)?;
     observability::register(module)?;
     recursive::register(module)?;
     Ok(())

@@ -72,6 +72,8 @@ impl Flags {
     pub const OUT_OF_RANGE: Self = Self(1 << 7);
     /// A change detector fired at this sample.
     pub const CHANGE: Self = Self(1 << 8);
+    /// An error curve was asked outside the range it was calibrated on: its value at the edge was used.
+    pub const EDGE_HELD: Self = Self(1 << 12);
 
     /// Both sets together.
     #[must_use]

@@ -83,7 +83,12 @@ def command(
         console.print(_summary(done))
         for remark in remarks(done):
             console.print(f"  {remark}", highlight=False, markup=False)
-        console.print(f"wrote {output}" + (f" and {report}" if report else ""), highlight=False, markup=False, soft_wrap=True)
+        console.print(
+            f"wrote {output}" + (f" and {report}" if report else ""),
+            highlight=False,
+            markup=False,
+            soft_wrap=True,
+        )
     return 0
 
 
@@ -135,9 +140,18 @@ def _summary(done: Cleaned) -> Table:
     from stillrate.report.figures import axis_figures
 
     method = next(iter(done.configs.values())).method
-    title = f"{done.raw.meta.get('source', 'log')}: {len(done.raw)} samples at {done.raw.sample_rate_hz:.6g} Hz, {method}"
+    title = (
+        f"{done.raw.meta.get('source', 'log')}: {len(done.raw)} samples at {done.raw.sample_rate_hz:.6g} Hz, {method}"
+    )
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
-    for name in ("channel", "noise density\n(deg/s)/√Hz", "quiet noise before\ndeg/s", "after\ndeg/s", "ratio", "taken away\ndeg/s RMS"):
+    for name in (
+        "channel",
+        "noise density\n(deg/s)/√Hz",
+        "quiet noise before\ndeg/s",
+        "after\ndeg/s",
+        "ratio",
+        "taken away\ndeg/s RMS",
+    ):
         table.add_column(name, justify="left" if name == "channel" else "right")
     for figures in axis_figures(done):
         table.add_row(*figures.cells())

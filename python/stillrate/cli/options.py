@@ -44,9 +44,7 @@ class ReadOptions:
         from stillrate.io import read
 
         columns = [name.strip() for name in self.columns.split(",")] if self.columns else None
-        return read(
-            path, rate_hz=self.rate, columns=columns, time=self.time, unit=self.unit, time_unit=self.time_unit
-        )
+        return read(path, rate_hz=self.rate, columns=columns, time=self.time, unit=self.unit, time_unit=self.time_unit)
 
 
 Force = Annotated[bool, Parameter(negative="", help="Overwrite existing files.")]

@@ -1,6 +1,7 @@
 """Logs in and out: one format a file, found by the name's ending.
 
-A format is a module with ``SUFFIXES``, ``read(path) -> Table`` and, if it can be written, ``write(path, table, force=)``.
+A format is a module with ``SUFFIXES``, ``read(path) -> Table`` and, if it can be written,
+``write(path, table, force=)``.
 It is imported when a file of its kind is met.
 """
 
@@ -112,7 +113,9 @@ def write(path: str | Path, log: Log, *, force: bool = False) -> None:
     """
     path = Path(path)
     if _FORMATS.get(path.suffix.lower()) not in _WRITABLE:
-        raise LogError(f"{path}: cannot write {path.suffix or 'a file without ending'} (one of {', '.join(writable())})")
+        raise LogError(
+            f"{path}: cannot write {path.suffix or 'a file without ending'} (one of {', '.join(writable())})"
+        )
     _format(path).write(path, to_table(log, flat=path.suffix.lower() != ".npz"), force=force)
 
 
@@ -120,7 +123,8 @@ def to_table(log: Log, *, flat: bool) -> Table:
     """Return a log's columns in their order; with `flat`, arrays of several columns are spread."""
     layout = log.layout
     rates = {
-        name: log.rate_dps[:, index] / layout.factors.get(name, 1.0) if layout.factors.get(name, 1.0) != 1.0
+        name: log.rate_dps[:, index] / layout.factors.get(name, 1.0)
+        if layout.factors.get(name, 1.0) != 1.0
         else np.ascontiguousarray(log.rate_dps[:, index])
         for index, name in enumerate(log.channels)
     }

@@ -36,9 +36,7 @@ def read(path: Path) -> Table:
         name: values if isinstance(values, np.ndarray) else np.array(values, dtype=str)
         for name, values in zip(found["names"], found["columns"], strict=True)
     }
-    style = {
-        name: found[name] for name in ("delimiter", "decimal_comma", "preamble", "named", "missing_word", "names")
-    }
+    style = {name: found[name] for name in ("delimiter", "decimal_comma", "preamble", "named", "missing_word", "names")}
     return Table(columns, _metadata(path), style=style, first_line=int(found["first_row_line"]))
 
 

@@ -43,7 +43,11 @@ class Timing:
         found = []
         if self.gaps:
             found.append(f"{len(self.gaps)} gap{_s(self.gaps)}, the longest {self.longest_step_s:.3g} s")
-        for name, where in (("repeated", self.repeats), ("backward", self.backward), ("missing", self.missing)):
+        for name, where in (
+            ("repeated", self.repeats),
+            ("backward", self.backward),
+            ("missing", self.missing),
+        ):
             if where:
                 found.append(f"{len(where)} {name} time stamp{_s(where)}, the first at sample {where[0]}")
         if not found and not self.regular:

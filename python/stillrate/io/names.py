@@ -17,12 +17,23 @@ _GYRO = (
     r"g|gyr|gyro|gyros|gyroscope|gyroscopes|gyro_?rad|gyroadc|gyrounfilt|gyro_?data|gyro_?rotation|gyrorotation"
     r"|angular_?velocity|angular_?rate|ang_?vel|angvel|rotation_?rate|rot_?rate|omega|w|rate"
 )
-_AXIS = re.compile(rf"(?:^|_)(?P<family>{_GYRO})_?(?P<axis>[xyz012])(?:_(?P<kind>meas|measured|raw|cal|calibrated|filt))?$")
+_AXIS = re.compile(
+    rf"(?:^|_)(?P<family>{_GYRO})_?(?P<axis>[xyz012])(?:_(?P<kind>meas|measured|raw|cal|calibrated|filt))?$"
+)
 _AXIS_FIRST = re.compile(r"(?:^|_)(?P<axis>[xyz])_?(?P<family>gyro|gyr|gyroscope|angular_?velocity|angular_?rate)$")
-_NAMED_AXES = {"roll_rate": "x", "pitch_rate": "y", "yaw_rate": "z", "rollspeed": "x", "pitchspeed": "y", "yawspeed": "z"}
+_NAMED_AXES = {
+    "roll_rate": "x",
+    "pitch_rate": "y",
+    "yaw_rate": "z",
+    "rollspeed": "x",
+    "pitchspeed": "y",
+    "yawspeed": "z",
+}
 _ALONE = re.compile(r"(?:^|_)(rate|gyro|gyr|gyroscope|omega|angular_?rate|angular_?velocity|value|signal)$")
 _ROS = re.compile(r"angular_?velocity")
-_ACCELERATION = re.compile(r"(?:^|_)(?:a|acc|accel|accelerometer|acceleration|linear_?acceleration)_?([xyz])(?:_(?:meas|raw))?$")
+_ACCELERATION = re.compile(
+    r"(?:^|_)(?:a|acc|accel|accelerometer|acceleration|linear_?acceleration)_?([xyz])(?:_(?:meas|raw))?$"
+)
 _TIME = re.compile(
     r"^(?:.*_)?(?:t|ts|time|timestamp|stamp|datetime|date_?time|utc|clock|elapsed|time_?stamp|epoch|sampletime"
     r"|time_since_start|gyrotimestamp.*|loggingtime.*|seconds_elapsed|secs|seconds)$"
@@ -107,7 +118,7 @@ def lone_rate(names: list[str]) -> str | None:
 
 def acceleration_columns(names: list[str]) -> list[str]:
     """Return the columns of an accelerometer, by name."""
-    found = {}
+    found: dict[str, str] = {}
     for name in names:
         match = _ACCELERATION.search(_plain(re.sub(r"[\[(].*$", "", name)))
         if match:

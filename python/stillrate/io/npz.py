@@ -29,7 +29,15 @@ def read(path: Path) -> Table:
             arrays = {name: archive[name] for name in archive.files}
     except LogError:
         raise
-    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, MemoryError, NotImplementedError) as error:
+    except (
+        ValueError,
+        OSError,
+        EOFError,
+        KeyError,
+        zipfile.BadZipFile,
+        MemoryError,
+        NotImplementedError,
+    ) as error:
         raise LogError(f"not a readable npz file ({_first_line(error)})") from None
     except Exception as error:  # zlib.error and struct.error of damaged members have no common base
         raise LogError(f"damaged npz file ({_first_line(error)})") from None

@@ -202,12 +202,12 @@ def _numbers(table: Table, name: str) -> Floats:
     return np.array([float(str(word).strip().replace(",", ".") or "nan") for word in values])
 
 
-def _time(
-    table: Table, time: str | None, count: int, wishes: Wishes, notes: list[str]
-) -> tuple[Floats, float | None]:
+def _time(table: Table, time: str | None, count: int, wishes: Wishes, notes: list[str]) -> tuple[Floats, float | None]:
     if time is None:
         if wishes.rate_hz is None:
-            raise LogError(f"no time column among {_listed(table.columns)}: give the rate (--rate HZ) or name it (--time)")
+            raise LogError(
+                f"no time column among {_listed(table.columns)}: give the rate (--rate HZ) or name it (--time)"
+            )
         return np.arange(count) / wishes.rate_hz, None
     stamps = table.columns[time]
     if stamps.dtype.kind in "USO":
@@ -247,9 +247,10 @@ def _time_unit(name: str, stamps: npt.NDArray[Any], wishes: Wishes, notes: list[
     steps = np.diff(stamps)
     steps = steps[steps > 0]
     step = float(np.median(steps)) if len(steps) else 1.0
-    if wishes.rate_hz is not None:
+    rate = wishes.rate_hz
+    if rate is not None:
         # The unit that comes nearest to the rate that was said.
-        unit = min(_TIME_UNITS.values(), key=lambda unit: abs(np.log(step * unit * wishes.rate_hz)))
+        unit = min(_TIME_UNITS.values(), key=lambda unit: float(abs(np.log(step * unit * rate))))
     else:
         # Gyro logs lie between 2 Hz and 20 kHz, most of them above 10 Hz.
         unit = next(u for limit, u in ((0.6, 1.0), (100.0, 1e-3), (1e5, 1e-6), (np.inf, 1e-9)) if step <= limit)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-
 from typing import Any
 
 import numpy as np
@@ -56,7 +55,14 @@ class AxisFigures:
             ratio = f"{self.before_dps / self.after_dps:.3g}x"
         else:
             ratio = "-"
-        return [self.channel, density, f"{self.before_dps:.3g}", f"{self.after_dps:.3g}", ratio, f"{self.removed_dps:.3g}"]
+        return [
+            self.channel,
+            density,
+            f"{self.before_dps:.3g}",
+            f"{self.after_dps:.3g}",
+            ratio,
+            f"{self.removed_dps:.3g}",
+        ]
 
 
 def axis_figures(done: Cleaned) -> list[AxisFigures]:

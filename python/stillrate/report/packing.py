@@ -37,7 +37,12 @@ def pack(values: npt.NDArray[np.float64], step: float, *, wide: bool = False) ->
     planes = np.concatenate([(zigzag >> shift & 0xFF).astype(np.uint8) for shift in (0, 8, 16, 24)])
     data = base64.b64encode(zlib.compress(planes.tobytes(), 6)).decode("ascii")
     return {
-        "count": len(values), "offset": offset, "step": step, "wide": wide, "missing": _runs(~finite), "data": data
+        "count": len(values),
+        "offset": offset,
+        "step": step,
+        "wide": wide,
+        "missing": _runs(~finite),
+        "data": data,
     }
 
 

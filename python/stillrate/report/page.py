@@ -118,7 +118,13 @@ def _flags(done: Cleaned, index: int) -> list[dict[str, Any]]:
     found = []
     for name, count in done.counts[done.raw.channels[index]].items():
         at = np.flatnonzero(done.flags[:, index] & Flags[name].value)
-        found.append({"name": name.lower().replace("_", " "), "count": count, "at": at[:: max(1, len(at) // _MARKS)].tolist()})
+        found.append(
+            {
+                "name": name.lower().replace("_", " "),
+                "count": count,
+                "at": at[:: max(1, len(at) // _MARKS)].tolist(),
+            }
+        )
     return found
 
 
@@ -131,7 +137,11 @@ def _view(view: View | None, config: Any) -> dict[str, Any] | None:
         for k, name in enumerate(names)
     ]
     frequency = None if not np.isfinite(view.frequency_hz).any() else pack(view.frequency_hz, 1e-3)
-    return {"index": [int(view.index[0]), int(np.diff(view.index[:2])[0]) if len(view.index) > 1 else 1], "models": models, "frequency": frequency}
+    return {
+        "index": [int(view.index[0]), int(np.diff(view.index[:2])[0]) if len(view.index) > 1 else 1],
+        "models": models,
+        "frequency": frequency,
+    }
 
 
 def model_names(config: Any, count: int) -> list[str]:
@@ -146,7 +156,14 @@ def model_names(config: Any, count: int) -> list[str]:
 
 
 def _table(done: Cleaned, found: list[figures.AxisFigures]) -> str:
-    head = ("channel", "noise density (deg/s)/√Hz", "quiet noise before, deg/s", "after, deg/s", "ratio", "taken away, deg/s RMS")
+    head = (
+        "channel",
+        "noise density (deg/s)/√Hz",
+        "quiet noise before, deg/s",
+        "after, deg/s",
+        "ratio",
+        "taken away, deg/s RMS",
+    )
     rows = []
     for figure in found:
         cells = [html.escape(cell) for cell in figure.cells()]

@@ -1,1 +1,1 @@
-"""Published figures, computed again: each table says what was reproduced and what was not."""
+"""Published figures, computed again: one module a study; each row says what was reproduced, what was not, and why."""

@@ -1,7 +1,19 @@
-//! Settings from data: noise figures from a log.
+//! Finding the numbers a filter needs: noise figures and autoregressive models from a log, optimisers and what they make small.
 
+pub mod autoregressive;
+pub mod bank_likelihood;
+pub mod brent;
+mod candidates;
+pub mod gain_ratio;
+mod lanes;
+pub mod minimise;
 pub mod noise;
+pub mod qpso;
 mod quantum;
+pub mod records;
+pub mod track;
+pub mod tuned;
+pub mod tuned_bank;
 
-pub use noise::{NoiseFromLog, NoiseReason, noise_from_log};
+pub use noise::{NoiseFromLog, NoiseReason, noise_from_log, shared_noise};
 pub use quantum::smallest_step;

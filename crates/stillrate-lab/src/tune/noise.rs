@@ -141,6 +141,24 @@ pub fn noise_from_log(z: &[f64], sample_rate_hz: f64) -> Result<NoiseFromLog, Lo
     })
 }
 
+/// One pair of figures for channels that share a filter: the largest density and walk among the channels that were at
+/// rest, or among all if none was (too much noise costs less than too little). `None` without channels.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::tune::{noise_from_log, shared_noise};
+/// let quiet = noise_from_log(&[0.0, 0.1, 0.0, -0.1, 0.1, 0.0, 0.1, 0.0, -0.1], 50.0).unwrap();
+/// assert_eq!(shared_noise(&[quiet.clone()]), Some((quiet.density_dps_sqrt_hz, quiet.rate_random_walk_dps_sqrt_s)));
+/// ```
+#[must_use]
+pub fn shared_noise(channels: &[NoiseFromLog]) -> Option<(f64, f64)> {
+    let rested = |c: &&NoiseFromLog| c.reason == NoiseReason::AtRest;
+    let any = channels.iter().any(|c| rested(&c));
+    let used: Vec<&NoiseFromLog> = channels.iter().filter(|c| !any || rested(c)).collect();
+    let largest = |f: fn(&NoiseFromLog) -> f64| used.iter().map(|c| f(c)).fold(0.0, f64::max);
+    (!used.is_empty()).then(|| (largest(|c| c.density_dps_sqrt_hz), largest(|c| c.rate_random_walk_dps_sqrt_s)))
+}
+
 fn constant(value: f64, all: Range<usize>) -> NoiseFromLog {
     let density = NOTHING * value.magnitude().max(NOTHING);
     NoiseFromLog {

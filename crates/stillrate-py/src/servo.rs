@@ -1,0 +1,438 @@
+//! `stillrate.platform`: the servo platform in closed loop, its tuner, and drift propagation.
+//!
+//! Python hands over frozen configuration objects; their fields are read by name, arrays are copied once.
+
+use numpy::{PyArray2, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use stillrate::{ConfigError, GyroNoise};
+use stillrate_lab::servo::PlatformDesign;
+use stillrate_lab::servo::base::{Base, Recorded};
+use stillrate_lab::servo::controller::Controller;
+use stillrate_lab::servo::describing::describe;
+use stillrate_lab::servo::family::{Family, Tunable, standard};
+use stillrate_lab::servo::loop_filter::{by_name, linear_equivalent};
+use stillrate_lab::servo::measure;
+use stillrate_lab::servo::plant::{Curves, Plant, STATES};
+use stillrate_lab::servo::platform::GyroErrors;
+use stillrate_lab::servo::search::{Effort, Range};
+use stillrate_lab::servo::study::{self, Row, Spread};
+use stillrate_lab::servo::trial::{Bench, Design};
+use stillrate_lab::servo::tuner::{self, Task};
+use stillrate_lab::settings_map::{SettingsError, SettingsMap};
+
+use crate::convert::{config_error, settings_from, settings_to};
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(servo_plant, module)?)?;
+    module.add_function(wrap_pyfunction!(servo_plant_fields, module)?)?;
+    module.add_function(wrap_pyfunction!(servo_run, module)?)?;
+    module.add_function(wrap_pyfunction!(servo_open_loop, module)?)?;
+    module.add_function(wrap_pyfunction!(servo_families, module)?)?;
+    module.add_function(wrap_pyfunction!(servo_tune, module)?)?;
+    module.add_function(wrap_pyfunction!(servo_validate, module)?)?;
+    module.add_function(wrap_pyfunction!(servo_tilt_table, module)?)?;
+    module.add_function(wrap_pyfunction!(servo_integration_error, module)?)?;
+    module.add_function(wrap_pyfunction!(servo_describe, module)?)
+}
+
+type Chain = Vec<(String, SettingsMap)>;
+
+fn refused<E: Into<SettingsError>>(py: Python<'_>, error: E) -> PyErr {
+    config_error(py, &error.into())
+}
+
+fn number(object: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
+    object.getattr(name)?.extract()
+}
+
+fn plant_from(object: &Bound<'_, PyAny>) -> PyResult<Plant> {
+    let mut plant = Plant::platform_30kg();
+    for (name, _, _) in Plant::FIELDS {
+        if let Some(slot) = plant.number_mut(name) {
+            *slot = number(object, name)?;
+        }
+    }
+    let curves: String = object.getattr("curves")?.extract()?;
+    plant.curves = match curves.as_str() {
+        "algebraic" => Curves::Algebraic,
+        "transcendental" => Curves::Transcendental,
+        other => {
+            let text = format!("curves = {other} (must be algebraic or transcendental)");
+            return Err(refused(object.py(), SettingsError::Text(text)));
+        }
+    };
+    Ok(plant)
+}
+
+fn controller_from(object: &Bound<'_, PyAny>) -> PyResult<Controller> {
+    Ok(Controller {
+        kappa: number(object, "kappa")?,
+        ko_per_s: number(object, "ko_per_s")?,
+        kvi_per_s: number(object, "kvi_per_s")?,
+        kd_s: number(object, "kd_s")?,
+        rate_demand_max_rad_s: number(object, "rate_demand_max_dps")?.to_radians(),
+        angle_from_filtered: object.getattr("angle_from_filtered")?.extract()?,
+        inclinometer_time_s: number(object, "inclinometer_time_s")?,
+    })
+}
+
+fn controller_to<'py>(py: Python<'py>, c: &Controller) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("kappa", c.kappa)?;
+    dict.set_item("ko_per_s", c.ko_per_s)?;
+    dict.set_item("kvi_per_s", c.kvi_per_s)?;
+    dict.set_item("kd_s", c.kd_s)?;
+    Ok(dict)
+}
+
+fn base_from(object: &Bound<'_, PyAny>) -> PyResult<Base> {
+    let kind: String = object.getattr("kind")?.extract()?;
+    Ok(match kind.as_str() {
+        "tilt" => Base::Tilt {
+            amplitude_rad: number(object, "amplitude_deg")?.to_radians(),
+            duration_s: number(object, "duration_s")?,
+        },
+        "sine" => Base::Sine {
+            amplitude_rad: number(object, "amplitude_deg")?.to_radians(),
+            frequency_hz: number(object, "frequency_hz")?,
+            ramp_s: number(object, "ramp_s")?,
+        },
+        "constant" => Base::Constant { angle_rad: number(object, "angle_deg")?.to_radians() },
+        _ => {
+            let samples: PyReadonlyArray1<'_, f64> = object.getattr("rate_dps")?.extract()?;
+            let rate: Vec<f64> = samples.as_array().iter().map(|v| v.to_radians()).collect();
+            let range = number(object, "range_deg")?.to_radians();
+            let recorded = Recorded::new(&rate, number(object, "sample_rate_hz")?, range);
+            Base::Recorded(recorded.map_err(|e| refused(object.py(), e))?)
+        }
+    })
+}
+
+fn chain_from(list: &Bound<'_, PyList>) -> PyResult<Chain> {
+    list.iter()
+        .map(|link| {
+            let (method, settings): (String, Bound<'_, PyDict>) = link.extract()?;
+            Ok((method, settings_from(&settings)?))
+        })
+        .collect()
+}
+
+fn chain_to<'py>(py: Python<'py>, chain: &Chain) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for (method, settings) in chain {
+        list.append((method, settings_to(py, settings)?))?;
+    }
+    Ok(list)
+}
+
+fn bench_from(object: &Bound<'_, PyAny>) -> PyResult<Bench> {
+    let noise = object.getattr("noise")?;
+    Ok(Bench {
+        plant: plant_from(&object.getattr("plant")?)?,
+        sample_rate_hz: number(object, "sample_rate_hz")?,
+        dt_s: number(object, "dt_s")?,
+        delay_s: number(object, "delay_s")?,
+        noise: GyroNoise {
+            density_dps_sqrt_hz: number(&noise, "density_dps_sqrt_hz")?,
+            rate_random_walk_dps_sqrt_s: number(&noise, "rate_random_walk_dps_sqrt_s")?,
+        },
+        bias_dps: number(object, "bias_dps")?,
+        amplitude_deg: number(object, "amplitude_deg")?,
+        frequency_hz: number(object, "frequency_hz")?,
+    })
+}
+
+fn family_from(object: &Bound<'_, PyAny>) -> PyResult<Family> {
+    let open: Vec<(usize, String, f64, f64, bool)> = object.getattr("open")?.extract()?;
+    let open = open
+        .into_iter()
+        .map(|(link, field, low, high, logarithmic)| Tunable { link, field, range: Range { low, high, logarithmic } })
+        .collect();
+    Ok(Family {
+        name: object.getattr("name")?.extract()?,
+        chain: chain_from(&object.call_method0("links")?.cast_into::<PyList>()?)?,
+        open,
+        linear: object.getattr("linear")?.extract()?,
+    })
+}
+
+/// Numbers of a named parameter set, or of a design given as numbers by name.
+#[pyfunction]
+#[pyo3(signature = (name, design=None))]
+fn servo_plant(py: Python<'_>, name: &str, design: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
+    let plant = match (name, design) {
+        ("camera-gimbal", _) => Plant::camera_gimbal(),
+        (_, Some(d)) => PlatformDesign {
+            mass_kg: number(d, "mass_kg")?,
+            diameter_m: number(d, "diameter_m")?,
+            arm_m: number(d, "arm_m")?,
+            lead_m: number(d, "lead_m")?,
+            motor_rpm: number(d, "motor_rpm")?,
+            natural_frequency_hz: number(d, "natural_frequency_hz")?,
+            motor_inertia_kg_m2: number(d, "motor_inertia_kg_m2")?,
+            coupling_hz: number(d, "coupling_hz")?,
+            half_backlash_deg: number(d, "half_backlash_deg")?,
+            voltage_max_v: number(d, "voltage_max_v")?,
+            current_max_a: number(d, "current_max_a")?,
+        }
+        .plant()
+        .map_err(|e| refused(py, e))?,
+        _ => Plant::platform_30kg(),
+    };
+    Ok(plant.numbers())
+}
+
+/// Name, symbol and unit of every number of a plant.
+#[pyfunction]
+fn servo_plant_fields() -> Vec<(&'static str, &'static str, &'static str)> {
+    Plant::FIELDS.to_vec()
+}
+
+/// One axis: rows (tick, column), lost tick, out-of-stroke tick, warnings.
+#[pyfunction]
+fn servo_run<'py>(
+    py: Python<'py>,
+    setup: &Bound<'py, PyAny>,
+    controller: &Bound<'py, PyAny>,
+    filter: &Bound<'py, PyList>,
+    base: &Bound<'py, PyAny>,
+    gyro: &Bound<'py, PyAny>,
+    times: (f64, f64, f64),
+) -> PyResult<Bound<'py, PyDict>> {
+    let bench = bench_from(setup)?;
+    let chain = chain_from(filter)?;
+    let base = base_from(base)?;
+    let samples: PyReadonlyArray1<'_, f64> = gyro.getattr("samples_dps")?.extract()?;
+    let errors = GyroErrors {
+        white_sigma_rad_s: number(gyro, "white_sigma_dps")?.to_radians(),
+        bias_rad_s: number(gyro, "bias_dps")?.to_radians(),
+        scale_error: number(gyro, "scale_error")?,
+        lsb_rad_s: number(gyro, "lsb_dps")?.to_radians(),
+        seed: gyro.getattr("seed")?.extract()?,
+        samples_rad_s: samples.as_array().iter().map(|v| if v.is_finite() { v.to_radians() } else { 0.0 }).collect(),
+    };
+    let (start_deg, reference_deg, duration_s) = times;
+    let mut axis = bench.axis(controller_from(controller)?, 0.0).map_err(|e| refused(py, e))?;
+    axis.angle_reference_rad = reference_deg.to_radians();
+    axis.drive_range_rad = number(setup, "drive_range_deg")?.to_radians();
+    let range = number(setup, "range_deg")?;
+    let warnings = study::warnings(&axis, &base, &linear_equivalent(&chain), range);
+    let record = py
+        .detach(|| {
+            let mut filter = by_name(&chain)?;
+            Ok(axis.run(&mut *filter, &base, &errors, start_deg.to_radians(), duration_s)?)
+        })
+        .map_err(|e: SettingsError| refused(py, e))?;
+    let found = PyDict::new(py);
+    let rows: Vec<Vec<f64>> = record.rows.iter().map(|row| row.to_vec()).collect();
+    found.set_item("record", table(py, &rows, 8)?)?;
+    let residual = measure::residual(&record, 3.0, axis.period_s());
+    found.set_item("residual_deg", (residual.rms_deg, residual.max_deg))?;
+    found.set_item("lost_at", record.lost_at)?;
+    found.set_item("out_of_stroke_at", record.out_of_stroke_at)?;
+    found.set_item("warnings", warnings)?;
+    Ok(found)
+}
+
+fn table<'py>(py: Python<'py>, rows: &[Vec<f64>], columns: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    if rows.is_empty() {
+        return Ok(PyArray2::zeros(py, [0, columns], false));
+    }
+    PyArray2::from_vec2(py, rows).map_err(|e| pyo3::exceptions::PyValueError::new_err(e.to_string()))
+}
+
+/// The plant alone under given voltages (one a period): states at the start and after every period.
+#[pyfunction]
+fn servo_open_loop<'py>(
+    py: Python<'py>,
+    plant: &Bound<'py, PyAny>,
+    base: &Bound<'py, PyAny>,
+    voltage: PyReadonlyArray1<'py, f64>,
+    start: Vec<f64>,
+    timing: (f64, usize),
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let plant = plant_from(plant)?;
+    let base = base_from(base)?;
+    let (dt, steps) = timing;
+    plant.check(dt).and_then(|()| base.check()).map_err(|e| refused(py, e))?;
+    let mut x: [f64; STATES] =
+        start.try_into().map_err(|_| refused(py, ConfigError::new("start", f64::NAN, "", "a list of 7 states")))?;
+    let steps = steps.clamp(1, 100_000);
+    let kernel = plant.kernel();
+    let mut motion = vec![(0.0, 0.0); 2 * steps + 1];
+    let mut rows = vec![x.to_vec()];
+    for (k, u) in voltage.as_array().iter().enumerate() {
+        base.fill((k * steps) as f64 * dt, 0.5 * dt, &mut motion);
+        for j in 0..steps {
+            kernel.step(&mut x, *u, &[motion[2 * j], motion[2 * j + 1], motion[2 * j + 2]], dt);
+        }
+        rows.push(x.to_vec());
+    }
+    table(py, &rows, STATES)
+}
+
+/// The study's filter families: (name, chain, open settings, linear).
+#[pyfunction]
+fn servo_families<'py>(py: Python<'py>, sample_rate_hz: f64, density: f64, walk: f64) -> PyResult<Bound<'py, PyList>> {
+    let noise = GyroNoise { density_dps_sqrt_hz: density, rate_random_walk_dps_sqrt_s: walk };
+    let list = PyList::empty(py);
+    for family in standard(sample_rate_hz, noise) {
+        let open: Vec<(usize, String, f64, f64, bool)> = family
+            .open
+            .iter()
+            .map(|t| (t.link, t.field.clone(), t.range.low, t.range.high, t.range.logarithmic))
+            .collect();
+        list.append((&family.name, chain_to(py, &family.chain)?, open, family.linear))?;
+    }
+    Ok(list)
+}
+
+/// Tunes one family; `progress(evaluations)` may return False to stop.
+#[pyfunction]
+fn servo_tune<'py>(
+    py: Python<'py>,
+    bench: &Bound<'py, PyAny>,
+    family: &Bound<'py, PyAny>,
+    budget_percent: f64,
+    effort: (usize, usize, usize, u64),
+    seeds: Vec<u64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (bench, family) = (bench_from(bench)?, family_from(family)?);
+    let (population, generations, restarts, seed) = effort;
+    if population < 4 || restarts < 1 {
+        let error = ConfigError::new("population", population as f64, "", "at least 4, with at least 1 restart");
+        return Err(refused(py, error));
+    }
+    let task = Task { budget_percent, effort: Effort { population, generations, restarts, seed }, seeds };
+    let mut raised = None;
+    let found = py.detach(|| {
+        tuner::tune(&bench, &family, &task, &mut |done| {
+            Python::attach(|py| {
+                let answer = match &progress {
+                    Some(call) => call.call1(py, (done,)).and_then(|a| a.extract::<Option<bool>>(py)),
+                    None => Ok(None),
+                };
+                match answer.and_then(|a| py.check_signals().map(|()| a)) {
+                    Ok(answer) => answer.unwrap_or(true),
+                    Err(error) => {
+                        raised = Some(error);
+                        false
+                    }
+                }
+            })
+        })
+    });
+    if let Some(error) = raised {
+        return Err(error);
+    }
+    let found = found.map_err(|e| refused(py, e))?;
+    let dict = PyDict::new(py);
+    dict.set_item("controller", controller_to(py, &found.design.controller)?)?;
+    dict.set_item("filter", chain_to(py, &family.filled(&found.design.parameters))?)?;
+    dict.set_item("parameters", found.design.parameters)?;
+    dict.set_item("objective_deg", found.objective_deg)?;
+    dict.set_item("feasible", found.feasible)?;
+    dict.set_item("restarts_deg", found.restarts_deg)?;
+    Ok(dict)
+}
+
+fn design_from(controller: &Bound<'_, PyAny>, parameters: Vec<f64>) -> PyResult<Design> {
+    Ok(Design { controller: controller_from(controller)?, parameters })
+}
+
+/// A design's row in the table, measured on the given seeds.
+#[pyfunction]
+fn servo_validate<'py>(
+    py: Python<'py>,
+    bench: &Bound<'py, PyAny>,
+    family: &Bound<'py, PyAny>,
+    controller: &Bound<'py, PyAny>,
+    parameters: Vec<f64>,
+    seeds: Vec<u64>,
+    margins: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (bench, family) = (bench_from(bench)?, family_from(family)?);
+    let design = design_from(controller, parameters)?;
+    let row = py.detach(|| study::validate(&bench, &family, &design, &seeds, margins)).map_err(|e| refused(py, e))?;
+    row_to(py, &row)
+}
+
+fn row_to<'py>(py: Python<'py>, row: &Row) -> PyResult<Bound<'py, PyDict>> {
+    let spread = |s: &Spread| (s.mean, s.low, s.high);
+    let dict = PyDict::new(py);
+    dict.set_item("rms_deg", spread(&row.rms_deg))?;
+    dict.set_item("max_deg", spread(&row.max_deg))?;
+    dict.set_item("jitter_percent", row.jitter_percent)?;
+    dict.set_item("jitter_seeds", spread(&row.jitter_seeds))?;
+    dict.set_item("undisturbed_percent", row.undisturbed_percent)?;
+    dict.set_item("motion_jitter_percent", row.motion_jitter_percent)?;
+    dict.set_item("gain_margin", row.gain_margin)?;
+    dict.set_item("delay_margin_ms", row.delay_margin_ms)?;
+    dict.set_item("voltage_rms_percent", row.voltage_rms_percent)?;
+    dict.set_item("levelling_deg", spread(&row.levelling_deg))?;
+    Ok(dict)
+}
+
+/// Peak angle of base tilts, deg, mean over both signs and the seeds.
+#[pyfunction]
+fn servo_tilt_table(
+    py: Python<'_>,
+    bench: &Bound<'_, PyAny>,
+    family: &Bound<'_, PyAny>,
+    controller: &Bound<'_, PyAny>,
+    parameters: Vec<f64>,
+    tilts_deg: Vec<f64>,
+    duration_s: f64,
+    seeds: Vec<u64>,
+) -> PyResult<Vec<f64>> {
+    let (bench, family) = (bench_from(bench)?, family_from(family)?);
+    let design = design_from(controller, parameters)?;
+    py.detach(|| study::tilt_table(&bench, &family, &design, &tilts_deg, duration_s, &seeds))
+        .map_err(|e| refused(py, e))
+}
+
+/// Error added by integrating the filter's output of amplitude sin(2 pi f t), deg.
+#[pyfunction]
+fn servo_integration_error(
+    py: Python<'_>,
+    bench: &Bound<'_, PyAny>,
+    family: &Bound<'_, PyAny>,
+    parameters: Vec<f64>,
+    motion: (f64, f64),
+    duration_s: f64,
+    seeds: Vec<u64>,
+) -> PyResult<f64> {
+    use stillrate::Real;
+    let (bench, family) = (bench_from(bench)?, family_from(family)?);
+    let (amplitude, frequency) = motion;
+    let rate = |t: f64| amplitude * (std::f64::consts::TAU * frequency * t).sine_cosine().0;
+    py.detach(|| study::integration_error_deg(&bench, &family, &parameters, rate, duration_s, &seeds))
+        .map_err(|e| refused(py, e))
+}
+
+/// Gain and phase (deg) of a filter's first harmonic at each amplitude.
+#[pyfunction]
+fn servo_describe(
+    py: Python<'_>,
+    filter: &Bound<'_, PyList>,
+    sample_rate_hz: f64,
+    frequency_hz: f64,
+    amplitudes_dps: Vec<f64>,
+    noise_sigma_dps: f64,
+    run: (usize, u64),
+) -> PyResult<Vec<(f64, f64)>> {
+    let mut filter = by_name(&chain_from(filter)?).map_err(|e| refused(py, e))?;
+    for (name, value) in [("sample_rate_hz", sample_rate_hz), ("frequency_hz", frequency_hz)] {
+        stillrate::error::positive(name, value, "Hz").map_err(|e| refused(py, e))?;
+    }
+    let (periods, seed) = run;
+    Ok(py.detach(|| {
+        amplitudes_dps
+            .iter()
+            .map(|a| describe(&mut *filter, sample_rate_hz, frequency_hz, *a, noise_sigma_dps, periods, seed))
+            .map(|h| (h.gain, h.phase_deg))
+            .collect()
+    }))
+}

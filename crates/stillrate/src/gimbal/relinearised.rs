@@ -1,0 +1,292 @@
+//! Recursive Gauss-Newton: a linear Kalman filter about a fixed trajectory, restarted from the beginning with what it learned.
+//!
+//! About a linearisation (R_0, theta) the deviation d = (phi, theta - theta_lin) obeys phi <- Phi phi + Gamma d_theta and
+//! r = z - h(x_lin) - H d, with prior mean always x_0 - x_lin: restarting uses no sample twice. After a pass over the first t
+//! seconds theta_lin takes the estimate and the attitude at the start is found backwards, dphi_0 = Phi_t^T (d_phi - B d_theta) with
+//! the accumulated transition phi_t = Phi_t phi_0 + B theta. Passes over 15, 30, 60, ... s, the whole record, and the whole record
+//! again reach the Gauss-Newton solution. With angle random walk the same passes run with process noise: the deterministic path is
+//! then only the point of linearisation, off by the walk (1e-6 rad), whose square is negligible. Source: section 5.3 of the reconstruction of
+//! DOI 10.3873/j.issn.1000-1328.2017.06.009.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::coefficients::Coefficients;
+use super::estimator::{Estimator, Innovation};
+use super::factor::Factor;
+use super::geometry::Geometry;
+use super::record::{Measurement, Record};
+use super::rotation::{apply, exponential, logarithm, product};
+use super::window::{Reference, against_model, commanded, sampled_attitude};
+use crate::real::Real;
+
+/// In the last pass a residual beyond this many deviations is a window that too many spikes have spoilt, and is left out: the
+/// trajectory is then so close that residuals are the noise alone.
+pub const SPOILT_SIGMA: f64 = 6.0;
+/// First pass, s; every further one is twice as long.
+pub const FIRST_PASS_S: f64 = 15.0;
+
+/// Point of linearisation: attitude at the start and coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linearisation {
+    /// R at the start.
+    pub rotation: Matrix3<f64>,
+    /// Coefficients (attitude entries unused).
+    pub coefficients: Coefficients,
+}
+
+impl Linearisation {
+    /// The point that a full set of coefficients names: R = exp(-[phi x]).
+    #[must_use]
+    pub fn of(coefficients: &Coefficients) -> Self {
+        let phi = Vector3::new(-coefficients[0], -coefficients[1], -coefficients[2]);
+        Self { rotation: exponential(&phi), coefficients: *coefficients }
+    }
+
+    /// The full set of coefficients, attitude at the start included.
+    #[must_use]
+    pub fn coefficients(&self) -> Coefficients {
+        let mut all = self.coefficients;
+        let phi = -logarithm(&self.rotation);
+        all[..3].copy_from_slice(phi.as_slice());
+        all
+    }
+}
+
+/// A pass under way: everything after `epoch` intervals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass<T, const N: usize> {
+    /// The trajectory's attitude now.
+    pub rotation: Matrix3<f64>,
+    /// Where the command alone would have turned the platform.
+    pub commanded: Matrix3<f64>,
+    /// The point of linearisation, ready for use.
+    pub geometry: Geometry,
+    /// d in scaled numbers.
+    pub deviation: [f64; N],
+    /// Scaled square root of the covariance.
+    pub factor: Factor<T, N>,
+    /// Phi_t: what became of an attitude error of the start.
+    pub carried: Matrix3<f64>,
+    /// B: what became of the coefficients' errors, scaled.
+    pub accumulated: [[f64; 4]; N],
+    /// Intervals so far.
+    pub epoch: usize,
+    /// Residuals beyond this many deviations are left out.
+    pub gate_sigma: f64,
+}
+
+/// Recursive Gauss-Newton.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::{DEFAULT_SCALE, Estimator, Gauge, Model, Options, Record, Relinearised, Selection};
+/// let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
+/// let estimator = Estimator::<f64, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?;
+/// let method = Relinearised::new(estimator);
+/// let (command, samples) = ([[0.0; 3]; 60], [[0.0, 9.8, 0.0]; 301]);
+/// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
+/// let solution = method.run(&record, &[0.0; 41], |_, _, _| {});
+/// assert!(solution.deviation[21] > 0.0);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relinearised<T, const N: usize> {
+    /// Coefficients, scales and windows.
+    pub estimator: Estimator<T, N>,
+    /// Reference inside the windows after the first pass (the first always uses the commanded motion).
+    pub reference: Reference,
+}
+
+/// Result of [`Relinearised::run`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution {
+    /// All coefficients; attitude at the start of the record.
+    pub coefficients: Coefficients,
+    /// Their standard deviations; of the attitude at the end of the record. 0 where not estimated.
+    pub deviation: Coefficients,
+    /// Attitude deviation at the end of the last pass, rad.
+    pub last_attitude: [f64; 3],
+    /// Whether a pass lost its numbers; the coefficients are then those before it.
+    pub diverged: bool,
+}
+
+impl<T: Real, const N: usize> Relinearised<T, N> {
+    /// The recommended form: windows about the model from the second pass on.
+    #[must_use]
+    pub const fn new(estimator: Estimator<T, N>) -> Self {
+        Self { estimator, reference: Reference::Model }
+    }
+
+    /// Deviation of the prior from a point of linearisation, and everything else a pass starts with.
+    #[must_use]
+    pub fn begin(&self, point: &Linearisation, prior: &Coefficients) -> Pass<T, N> {
+        let estimator = &self.estimator;
+        let scaled = estimator.scaled();
+        let from = Linearisation::of(prior).rotation;
+        let phi = -logarithm(&product(&from, &point.rotation.transpose()));
+        let mut deviation = [0.0; N];
+        for ((slot, &index), scale) in deviation.iter_mut().zip(estimator.selection.indices()).zip(scaled) {
+            let difference = if index < 3 { phi[index] } else { prior[index] - point.coefficients[index] };
+            *slot = difference / scale;
+        }
+        Pass {
+            rotation: point.rotation,
+            commanded: Matrix3::identity(),
+            geometry: Geometry::new(&estimator.model, &point.coefficients),
+            deviation,
+            factor: estimator.prior(),
+            carried: Matrix3::identity(),
+            accumulated: [[0.0; 4]; N],
+            epoch: 0,
+            gate_sigma: f64::INFINITY,
+        }
+    }
+
+    /// One interval of a pass and the measurement at its end.
+    #[inline]
+    pub fn step(&self, pass: &mut Pass<T, N>, record: &Record<'_>, reference: Reference) -> [Innovation; 3] {
+        let estimator = &self.estimator;
+        let model = &estimator.model;
+        let (k, dt_s) = (pass.epoch, record.interval_s());
+        let command = Vector3::from(record.command(k));
+        let step = pass.geometry.step(model, &pass.rotation, &command, dt_s);
+        let turning = estimator.pack_turning(&pass.geometry.turning(model, &step, &command, dt_s));
+        let transition = estimator.pack_transition(&step.transition);
+        estimator.carry(&mut pass.factor, &transition, &turning, dt_s);
+        self.carry_deviation(pass, &step.transition, &transition, &turning);
+        pass.rotation = step.rotation;
+        pass.epoch = k + 1;
+
+        let attitude = sampled_attitude(&pass.geometry, model, &pass.rotation, &command);
+        let force = model.force(&attitude);
+        let force_rate = pass.geometry.force_rate(model, &attitude, &step.rate);
+        let measured = match reference {
+            Reference::Model => against_model(&pass.geometry, model, record, k + 1, &pass.rotation, estimator.robust),
+            Reference::Commanded => {
+                let earth_rate = pass.geometry.earth_rate;
+                pass.commanded = model.commanded_step(&pass.commanded, &command, &earth_rate, dt_s);
+                commanded(model, record, k + 1, &pass.commanded, &earth_rate, estimator.robust)
+            }
+        };
+        let measured = if estimator.cuts(&force) { Measurement::NONE } else { measured };
+        let mut innovations = [Innovation::default(); 3];
+        for axis in 0..3 {
+            let (predicted, row) = pass.geometry.output_row(axis, &force, &force_rate);
+            let known = if reference == Reference::Model { 0.0 } else { predicted };
+            let residual = measured.value[axis] - known;
+            let spoilt = residual * residual > pass.gate_sigma * pass.gate_sigma * measured.variance[axis];
+            innovations[axis] = estimator.absorb(
+                &mut pass.factor,
+                &row,
+                &estimator.support(axis),
+                residual,
+                if spoilt { f64::INFINITY } else { measured.variance[axis] },
+                &mut pass.deviation,
+            );
+        }
+        innovations
+    }
+
+    #[inline]
+    fn carry_deviation(
+        &self,
+        pass: &mut Pass<T, N>,
+        unscaled: &Matrix3<f64>,
+        transition: &[[f64; 3]; 3],
+        turning: &[[f64; 4]; N],
+    ) {
+        let turns = self.estimator.selection.turning();
+        let turn = |v: [f64; 3]| -> [f64; 3] {
+            core::array::from_fn(|r| transition[0][r] * v[0] + transition[1][r] * v[1] + transition[2][r] * v[2])
+        };
+        let mut phi = turn([pass.deviation[0], pass.deviation[1], pass.deviation[2]]);
+        for ((gamma, d), b) in turning.iter().zip(&pass.deviation).zip(&mut pass.accumulated).take(turns).skip(3) {
+            let carried = turn([b[0], b[1], b[2]]);
+            for r in 0..3 {
+                phi[r] += gamma[r] * d;
+                b[r] = carried[r] + gamma[r];
+            }
+        }
+        pass.deviation[..3].copy_from_slice(&phi);
+        pass.carried = product(unscaled, &pass.carried);
+    }
+
+    /// Coefficients that a pass believes in now; the attitude entries hold the deviation from the trajectory, rad.
+    #[must_use]
+    pub fn estimate(&self, pass: &Pass<T, N>) -> Coefficients {
+        let mut estimate = pass.geometry.coefficients;
+        let scaled = self.estimator.scaled();
+        for ((&index, d), s) in self.estimator.selection.indices().iter().zip(&pass.deviation).zip(scaled) {
+            estimate[index] = if index < 3 { d * s } else { estimate[index] + d * s };
+        }
+        estimate
+    }
+
+    /// The next point of linearisation after a pass that started at `point`.
+    #[must_use]
+    pub fn relinearise(&self, point: &Linearisation, pass: &Pass<T, N>) -> Linearisation {
+        let scaled = self.estimator.scaled();
+        let mut phi = Vector3::new(pass.deviation[0], pass.deviation[1], pass.deviation[2]);
+        for (b, d) in pass.accumulated.iter().zip(&pass.deviation).skip(3) {
+            for r in 0..3 {
+                phi[r] -= b[r] * d;
+            }
+        }
+        let phi = Vector3::new(phi[0] * scaled[0], phi[1] * scaled[1], phi[2] * scaled[2]);
+        let start = apply(&pass.carried.transpose(), &phi);
+        let mut coefficients = self.estimate(pass);
+        coefficients[..3].copy_from_slice(&[0.0; 3]);
+        Linearisation { rotation: product(&exponential(&-start), &point.rotation), coefficients }
+    }
+
+    /// All passes over a record. `observe(pass number, pass, innovations)` is called after every epoch.
+    pub fn run(
+        &self,
+        record: &Record<'_>,
+        prior: &Coefficients,
+        mut observe: impl FnMut(usize, &Pass<T, N>, &[Innovation; 3]),
+    ) -> Solution {
+        let total = record.epochs();
+        let mut point = Linearisation::of(prior);
+        let mut solution = Solution {
+            coefficients: *prior,
+            deviation: self.estimator.standard_deviation(&self.estimator.prior()),
+            last_attitude: [0.0; 3],
+            diverged: false,
+        };
+        let mut until_s = FIRST_PASS_S;
+        let mut number = 0;
+        let mut whole = 0;
+        while whole < 2 {
+            let wanted = (until_s / record.interval_s() + 0.5) as usize;
+            let until = if wanted < total { wanted.max(1) } else { total };
+            whole += usize::from(until == total);
+            let reference = if number == 0 { Reference::Commanded } else { self.reference };
+            let mut pass = self.begin(&point, prior);
+            // With angle random walk the residuals against one fixed trajectory are not the noise alone.
+            if whole == 2
+                && self.estimator.robust
+                && reference == Reference::Model
+                && self.estimator.attitude_walk == 0.0
+            {
+                pass.gate_sigma = SPOILT_SIGMA;
+            }
+            while pass.epoch < until {
+                let innovations = self.step(&mut pass, record, reference);
+                observe(number, &pass, &innovations);
+            }
+            if !(pass.factor.finite() && pass.deviation.iter().all(|d| d.finite())) {
+                solution.diverged = true;
+                break;
+            }
+            point = self.relinearise(&point, &pass);
+            solution.coefficients = point.coefficients();
+            solution.deviation = self.estimator.standard_deviation(&pass.factor);
+            let scaled = self.estimator.scaled();
+            solution.last_attitude = core::array::from_fn(|r| pass.deviation[r] * scaled[r]);
+            until_s *= 2.0;
+            number += 1;
+        }
+        solution
+    }
+}

@@ -1,0 +1,98 @@
+//! Samples around an epoch minus what was predicted for them: by the commanded motion alone, or by the current model.
+//!
+//! Subtracting the commanded specific force g_c = C_nc f^n leaves the coefficients' own curvature and kinks where the command
+//! jumps; subtracting the model output leaves white noise. In-window attitudes are exact steps of length j dT from the epoch, under
+//! the command of the interval they fall in.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::coefficients::LATENCY;
+use super::geometry::Geometry;
+use super::model::Model;
+use super::record::{Measurement, Record};
+
+/// A command jump beyond this leaves a kink that the commanded motion cannot remove, rad/s.
+pub const KINK_RAD_S: f64 = 1e-4;
+
+/// What is subtracted from the samples around an epoch before the line is fitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reference {
+    /// The specific force of the commanded motion; epochs where the command jumps are skipped.
+    Commanded,
+    /// The output of the model with the current coefficients; nothing is skipped.
+    #[default]
+    Model,
+}
+
+/// Command in force at an offset from epoch `k`.
+#[inline(always)]
+fn command_at(record: &Record<'_>, k: usize, offset_s: f64) -> Vector3<f64> {
+    Vector3::from(if offset_s < 0.0 && k > 0 { record.command(k - 1) } else { record.command(k) })
+}
+
+/// Output measured at epoch `k`, with the commanded motion subtracted inside the window and added back at its centre.
+#[must_use]
+pub fn commanded(
+    model: &Model,
+    record: &Record<'_>,
+    k: usize,
+    commanded: &Matrix3<f64>,
+    earth_rate: &Vector3<f64>,
+    robust: bool,
+) -> Measurement {
+    let centre = model.force(commanded);
+    if record.half_window() == 0 {
+        return record.intercept(k, robust, |_| [0.0; 3]);
+    }
+    if record.jumps(k, KINK_RAD_S) {
+        return Measurement::NONE;
+    }
+    let mut measurement = record.intercept(k, robust, |j| {
+        let dt_s = record.offset_s(j);
+        let force = if j == 0 {
+            centre
+        } else {
+            model.force(&model.commanded_step(commanded, &command_at(record, k, dt_s), earth_rate, dt_s))
+        };
+        force.into()
+    });
+    for axis in 0..3 {
+        measurement.value[axis] += centre[axis];
+    }
+    measurement
+}
+
+/// Residual at epoch `k` against the model: samples minus model outputs, as one intercept an axis.
+#[must_use]
+#[inline]
+pub fn against_model(
+    geometry: &Geometry,
+    model: &Model,
+    record: &Record<'_>,
+    k: usize,
+    rotation: &Matrix3<f64>,
+    robust: bool,
+) -> Measurement {
+    let latency = geometry.coefficients[LATENCY];
+    record.intercept(k, robust, |j| {
+        let dt_s = record.offset_s(j) - latency;
+        if dt_s == 0.0 {
+            geometry.output(model, rotation)
+        } else {
+            geometry.output(model, &geometry.step(model, rotation, &command_at(record, k, dt_s), dt_s).rotation)
+        }
+    })
+}
+
+/// Attitude that the samples claimed for epoch `k` really belong to: the epoch's own, or a latency earlier.
+#[must_use]
+#[inline]
+pub(crate) fn sampled_attitude(
+    geometry: &Geometry,
+    model: &Model,
+    rotation: &Matrix3<f64>,
+    command: &Vector3<f64>,
+) -> Matrix3<f64> {
+    let latency = geometry.coefficients[LATENCY];
+    if latency == 0.0 { *rotation } else { geometry.step(model, rotation, command, -latency).rotation }
+}

@@ -1,0 +1,372 @@
+"""What stands on the bench: plant, controller, base motions, gyro; frozen, checked by the numerics when they run."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillrate import _native
+from stillrate.config import Config
+from stillrate.errors import ConfigError
+from stillrate.noise import GyroNoise
+
+Link = tuple[str, dict[str, float | str | list[float]]]
+"""A method and its settings, as the numerics take them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlatformDesign:
+    """What a designer knows of a spindle-driven platform; `Plant.from_design` turns it into equations.
+
+    The defaults are the paper's 30 kg platform; lead, inertia, coupling, play and electrics are assumed.
+    """
+
+    mass_kg: float = 30.0
+    diameter_m: float = 0.45
+    arm_m: float = 0.2
+    lead_m: float = 0.02
+    motor_rpm: float = 720.0
+    natural_frequency_hz: float = 1.0
+    motor_inertia_kg_m2: float = 2e-4
+    coupling_hz: float = 30.0
+    half_backlash_deg: float = 0.05
+    voltage_max_v: float = 24.0
+    current_max_a: float = 3.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plant:
+    """One axis of a platform, SI and radians.
+
+    Parameters
+    ----------
+    inertia_kg_m2 : float
+        J: inertia of the platform, kg m^2.
+    pendulum_n_m : float
+        kg: pendulum stiffness at theta = 0, N m.
+    bearing_viscous_n_m_s : float
+        Bp: viscous friction of the platform bearing, N m s.
+    bearing_dry_n_m : float
+        Tp: dry friction of the platform bearing, N m.
+    bearing_rate_rad_s : float
+        wp: rate at which the dry friction of the bearing is nearly reached, rad/s.
+    coupling_stiffness_n_m : float
+        kc: stiffness of the coupling, N m/rad.
+    coupling_damping_n_m_s : float
+        cc: damping of the coupling, N m s.
+    half_backlash_rad : float
+        hb: half of the play, rad.
+    contact_softness_rad : float
+        ds: twist over which the coupling's damping comes in, rad.
+    drive_inertia_kg_m2 : float
+        Jr: inertia of the drive, seen at the platform, kg m^2.
+    bristle_stiffness_n_m : float
+        s0: bristle stiffness, N m/rad.
+    bristle_damping_n_m_s : float
+        s1: bristle damping, N m s.
+    drive_viscous_n_m_s : float
+        s2: viscous friction of the drive, N m s.
+    coulomb_n_m : float
+        Fc: Coulomb friction of the drive, N m.
+    stiction_n_m : float
+        Fs: stiction of the drive, N m.
+    stribeck_rate_rad_s : float
+        vs: Stribeck rate, rad/s.
+    gear_ratio : float
+        n: gear ratio.
+    motor_constant_v_s : float
+        Ke: motor constant, V s/rad.
+    resistance_ohm : float
+        R: winding resistance, ohm.
+    current_time_s : float
+        te: time constant of the current loop, s.
+    voltage_max_v : float
+        Vmax: supply voltage, V.
+    current_max_a : float
+        Imax: current limit, A.
+    gyro_bandwidth_rad_s : float
+        wg: bandwidth of the gyro, rad/s.
+    hose_stiffness_n_m : float
+        ks: stiffness of a hose or cable between base and platform, N m/rad.
+    curves : str
+        "algebraic" (default: the same bits everywhere, nearly twice the speed) or "transcendental" (tanh, exp, sin: the
+        textbook form).
+
+    Examples
+    --------
+    >>> round(Plant.platform_30kg().inertia_kg_m2, 4)
+    0.4556
+    """
+
+    inertia_kg_m2: float
+    pendulum_n_m: float
+    bearing_viscous_n_m_s: float
+    bearing_dry_n_m: float
+    bearing_rate_rad_s: float
+    coupling_stiffness_n_m: float
+    coupling_damping_n_m_s: float
+    half_backlash_rad: float
+    contact_softness_rad: float
+    drive_inertia_kg_m2: float
+    bristle_stiffness_n_m: float
+    bristle_damping_n_m_s: float
+    drive_viscous_n_m_s: float
+    coulomb_n_m: float
+    stiction_n_m: float
+    stribeck_rate_rad_s: float
+    gear_ratio: float
+    motor_constant_v_s: float
+    resistance_ohm: float
+    current_time_s: float
+    voltage_max_v: float
+    current_max_a: float
+    gyro_bandwidth_rad_s: float
+    hose_stiffness_n_m: float
+    curves: str = "algebraic"
+
+    @classmethod
+    def platform_30kg(cls) -> Plant:
+        """Return the paper's platform."""
+        return cls._of(_native.servo_plant("platform-30kg"))
+
+    @classmethod
+    def camera_gimbal(cls) -> Plant:
+        """Return a small camera gimbal: direct drive, no play."""
+        return cls._of(_native.servo_plant("camera-gimbal"))
+
+    @classmethod
+    def from_design(cls, design: PlatformDesign) -> Plant:
+        """Return the parameters that follow from a design.
+
+        Raises
+        ------
+        ConfigError
+            If a number of the design is out of range; the text names it.
+        """
+        return cls._of(_native.servo_plant("design", design))
+
+    @classmethod
+    def from_symbols(cls, symbols: dict[str, float], *, curves: str = "algebraic") -> Plant:
+        """Return a plant from the symbols of the equations (J, kg, Bp, Tp, wp, kc, cc, hb, ds, Jr, ...)."""
+        named: dict[str, Any] = {name: float(symbols[symbol]) for name, symbol, _ in _native.servo_plant_fields()}
+        return cls(**named).replace(curves=curves)
+
+    @classmethod
+    def _of(cls, numbers: Sequence[float]) -> Plant:
+        names = [name for name, _, _ in _native.servo_plant_fields()]
+        named: dict[str, Any] = dict(zip(names, numbers, strict=True))
+        return cls(**named)
+
+    def replace(self, **changes: float | str) -> Plant:
+        """Return a copy with some parameters changed."""
+        return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Controller:
+    """Rate controller with an angle loop around it.
+
+    Parameters
+    ----------
+    kappa : float
+        Gain of the rate loop relative to the motor constant.
+    ko_per_s : float
+        Angle gain, 1/s.
+    kvi_per_s : float
+        Gain of the rate integral, 1/s.
+    kd_s : float
+        Rate derivative, s.
+    rate_demand_max_dps : float
+        Largest rate the angle loop may ask for, deg/s.
+    angle_from_filtered : bool
+        Integrate the filtered rate instead of the raw one; adaptive filters then lose slow motion.
+    inclinometer_time_s : float
+        Time constant of the correction by an inclinometer, s; 0 is none.
+    """
+
+    kappa: float = 0.179
+    ko_per_s: float = 0.3
+    kvi_per_s: float = 72.7
+    kd_s: float = 0.65e-3
+    rate_demand_max_dps: float = 1.2 * 57.29577951308232
+    angle_from_filtered: bool = False
+    inclinometer_time_s: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tilt:
+    """The base tilts from 0 to `amplitude_deg` in `duration_s`, along half a cosine."""
+
+    kind: ClassVar[str] = "tilt"
+    amplitude_deg: float
+    duration_s: float = 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sine:
+    """The base swings by `amplitude_deg` at `frequency_hz`, faded in over `ramp_s`."""
+
+    kind: ClassVar[str] = "sine"
+    amplitude_deg: float = 10.0
+    frequency_hz: float = 1.0
+    ramp_s: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Constant:
+    """The base stands still at `angle_deg`."""
+
+    kind: ClassVar[str] = "constant"
+    angle_deg: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recorded:
+    """The base follows a recorded rate.
+
+    The mean rate is taken out, the integral is centred, and the whole is scaled down (never up) to `range_deg`.
+    """
+
+    kind: ClassVar[str] = "recorded"
+    rate_dps: NDArray[np.float64]
+    sample_rate_hz: float
+    range_deg: float = 20.0
+
+    def __post_init__(self) -> None:
+        rate = np.ascontiguousarray(np.ma.filled(np.ma.asarray(self.rate_dps, dtype=float), np.nan), dtype=np.float64)
+        if rate.ndim != 1:
+            raise ConfigError(f"rate_dps has shape {rate.shape} (must be one axis: (n,))")
+        object.__setattr__(self, "rate_dps", rate)
+
+
+Base = Tilt | Sine | Constant | Recorded
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GyroErrors:
+    """What the gyro adds to the true rate; `samples_dps` are added as they are, one a control tick."""
+
+    white_sigma_dps: float = 0.0
+    bias_dps: float = 0.0
+    scale_error: float = 0.0
+    lsb_dps: float = 0.0
+    seed: int = 0
+    samples_dps: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        samples = np.ascontiguousarray(self.samples_dps, dtype=np.float64)
+        if samples.ndim != 1:
+            raise ConfigError(f"samples_dps has shape {samples.shape} (must be (n,))")
+        object.__setattr__(self, "samples_dps", samples)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopPt1:
+    """First-order low-pass by exact discretisation, started at the first sample."""
+
+    cutoff_hz: float
+
+    def link(self, sample_rate_hz: float) -> Link:
+        """Return method and settings."""
+        return "loop-pt1", {"sample_rate_hz": sample_rate_hz, "cutoff_hz": self.cutoff_hz}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopButterworth:
+    """Second-order Butterworth low-pass, bilinear with prewarping, started in the first sample's steady state."""
+
+    cutoff_hz: float
+
+    def link(self, sample_rate_hz: float) -> Link:
+        """Return method and settings."""
+        return "loop-butterworth", {"sample_rate_hz": sample_rate_hz, "cutoff_hz": self.cutoff_hz}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopKalman:
+    """Scalar Kalman filter x <- phi x with noise ratio q/R, P0/R = 1."""
+
+    phi: float = 1.0
+    ratio: float = 0.1
+
+    def link(self, sample_rate_hz: float) -> Link:
+        """Return method and settings."""
+        return "loop-kalman", {"phi": self.phi, "ratio": self.ratio}
+
+
+LoopFilter = Config | LoopPt1 | LoopButterworth | LoopKalman
+"""What may stand in the loop: any configuration of the library, or a textbook filter."""
+
+
+def links(chosen: LoopFilter | Sequence[LoopFilter] | None, sample_rate_hz: float) -> list[Link]:
+    """Return the chain of methods and settings that a filter argument stands for."""
+    if chosen is None:
+        return []
+    if isinstance(chosen, Sequence):
+        return [link for item in chosen for link in links(item, sample_rate_hz)]
+    if isinstance(chosen, Config):
+        if chosen.sample_rate_hz != sample_rate_hz:
+            raise ConfigError(
+                f"sample_rate_hz = {chosen.sample_rate_hz:g} of the filter (must be the loop's {sample_rate_hz:g} Hz)"
+            )
+        return [(chosen.method, chosen.settings())]
+    return [chosen.link(sample_rate_hz)]
+
+
+def _paper_noise() -> GyroNoise:
+    # 0.1074 deg/s at 50 Hz, taken as white.
+    density = 0.015188653659887039
+    return GyroNoise(density_dps_sqrt_hz=density, rate_random_walk_dps_sqrt_s=0.2184 * density)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """A plant with its timing, its gyro and its standard motion.
+
+    Parameters
+    ----------
+    plant : Plant
+    sample_rate_hz, dt_s, delay_s : float
+        Control rate, integration step, delay from gyro to voltage.
+    noise : GyroNoise
+        The gyro's noise; white samples of N sqrt(rate) are simulated, filters are told N and K.
+    bias_dps : float
+        Constant bias of the gyro.
+    amplitude_deg, frequency_hz : float
+        The base motion that residuals are measured in.
+    drive_range_deg, range_deg : float
+        Where the drive is at its end (flagged), and the base angle that is warned about.
+    """
+
+    plant: Plant = field(default_factory=Plant.platform_30kg)
+    sample_rate_hz: float = 50.0
+    dt_s: float = 1e-3
+    delay_s: float = 5e-3
+    noise: GyroNoise = field(default_factory=_paper_noise)
+    bias_dps: float = 0.005
+    amplitude_deg: float = 10.0
+    frequency_hz: float = 1.0
+    drive_range_deg: float = 28.64788975654116
+    range_deg: float = 20.0
+
+    @classmethod
+    def camera_gimbal(cls) -> Setup:
+        """Return a small camera gimbal at 200 Hz with a typical MEMS gyro."""
+        return cls(
+            plant=Plant.camera_gimbal(),
+            sample_rate_hz=200.0,
+            dt_s=0.25e-3,
+            delay_s=2e-3,
+            noise=GyroNoise(density_dps_sqrt_hz=0.005, rate_random_walk_dps_sqrt_s=0.001),
+            drive_range_deg=45.0,
+            range_deg=35.0,
+        )
+
+    def replace(self, **changes: object) -> Setup:
+        """Return a copy with some entries changed."""
+        return dataclasses.replace(self, **changes)  # type: ignore[arg-type]

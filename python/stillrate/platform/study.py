@@ -1,0 +1,179 @@
+"""The comparison on the platform: same plant, same jitter budget, same margins; residual by filter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from stillrate.errors import ConfigError
+from stillrate.platform.model import Base, Controller, Link, Setup
+from stillrate.platform.running import Run
+from stillrate.platform.tuning import (
+    VALIDATION_SEEDS,
+    Family,
+    Row,
+    families,
+    integration_error,
+    tilt_table,
+    tune,
+    validate,
+)
+
+FIXED_CONTROLLER = Controller(kappa=0.17, ko_per_s=0.3, kvi_per_s=74.0, kd_s=0.65e-3)
+"""The controller that every filter gets in the test with the controller fixed."""
+TILTS_DEG = (20.0, 15.0, 10.0, 5.0)
+TILT_S = 0.4
+
+
+@dataclass(frozen=True)
+class Design:
+    """A tuned controller and filter: a family by name, gains, open settings, and the budget it was tuned at."""
+
+    family: str
+    budget_percent: float
+    controller: Controller
+    parameters: tuple[float, ...] = ()
+    sample_rate_hz: float = 50.0
+    feasible: bool = True
+
+
+@dataclass(frozen=True)
+class Result:
+    """A design and what was measured on the validation seeds."""
+
+    design: Design
+    row: Row
+    tilt_peaks_deg: tuple[float, ...]
+    added_deg: tuple[float, float]
+    """Error (rms) added by integrating the filter's output over 70 s: base motion, and a slow 0.2 deg/s swing."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """Everything a page shows."""
+
+    setup: Setup
+    results: tuple[Result, ...]
+    fixed: tuple[tuple[str, Row], ...]
+    runs: tuple[tuple[str, Run], ...] = ()
+    recorded: tuple[tuple[str, Run], ...] = ()
+    notes: tuple[str, ...] = field(default=())
+
+
+def tune_all(
+    names: Sequence[str],
+    budget_percent: float,
+    *,
+    setup: Setup,
+    effort: tuple[int, int, int],
+    progress: Callable[[str, int], None],
+) -> list[Design]:
+    """Tune families with one effort (population, generations, restarts)."""
+    known = families(setup)
+    designs = []
+    for name in names:
+        found = tune(
+            _family(known, name),
+            budget_percent,
+            setup=setup,
+            population=effort[0],
+            generations=effort[1],
+            restarts=effort[2],
+            progress=lambda done, name=name: progress(name, done),  # type: ignore[misc]
+        )
+        designs.append(
+            Design(name, budget_percent, found.controller, found.parameters, setup.sample_rate_hz, found.feasible)
+        )
+    return designs
+
+
+def _family(known: dict[str, Family], name: str) -> Family:
+    if name not in known:
+        raise ConfigError(f"filter = {name} (must be one of {', '.join(known)})")
+    return known[name]
+
+
+def measure(design: Design, *, setup: Setup, seeds: Sequence[int] = VALIDATION_SEEDS) -> Result:
+    """Measure one design."""
+    family = _family(families(setup), design.family)
+    row = validate(family, design.controller, design.parameters, setup=setup, seeds=seeds)
+    peaks = tilt_table(
+        family,
+        design.controller,
+        design.parameters,
+        setup=setup,
+        tilts_deg=TILTS_DEG,
+        duration_s=TILT_S,
+        seeds=seeds[:3],
+    )
+    added = tuple(
+        integration_error(family, design.parameters, setup=setup, amplitude_dps=a, frequency_hz=f, seeds=seeds[:8])
+        for a, f in ((62.83185307179586, 1.0), (0.2, 0.05))
+    )
+    return Result(design, row, tuple(peaks), (added[0], added[1]))
+
+
+def fixed_families(setup: Setup) -> list[Family]:
+    """Return the filters of the test with the controller fixed, each with its own default settings."""
+    rate = setup.sample_rate_hz
+    walk = setup.noise.rate_random_walk_dps_sqrt_s
+    common: dict[str, float | str | list[float]] = {
+        "sample_rate_hz": rate,
+        "noise.density_dps_sqrt_hz": setup.noise.density_dps_sqrt_hz,
+        "noise.rate_random_walk_dps_sqrt_s": float(walk or 0.0),
+    }
+
+    def one(name: str, method: str, **settings: float | list[float]) -> Family:
+        link: Link = (method, {**common, **settings})
+        return Family(name, (link,))
+
+    preset: dict[str, float | list[float]] = {
+        "accel_max_dps2": [1.5, 300.0],
+        "transition": [0.99, 0.01, 0.05, 0.95],
+    }
+    # AR(1) with phi = 0.9 and the noise ratio that gives the specification's gain of 0.82 at DC.
+    variance = setup.noise.density_dps_sqrt_hz**2 * rate
+    ar1: dict[str, float | list[float]] = {
+        "coefficients": [0.9],
+        "process_variance_dps2": 0.145 * variance,
+        "measurement_variance_dps2": variance,
+    }
+    return [
+        Family("none", ()),
+        one("pt1 5.3 Hz (the paper's KF)", "pt1", cutoff_hz=5.3),
+        one("AR(1)-KF", "ar-kf", **ar1),
+        one("singer-imm-kf", "singer-imm-kf", **preset),
+        one("one-euro", "one-euro"),
+        one("ms-imm-ikf", "ms-imm-ikf"),
+    ]
+
+
+def fixed_test(setup: Setup, *, seeds: Sequence[int] = VALIDATION_SEEDS) -> list[tuple[str, Row]]:
+    """Measure every filter with the same controller."""
+    return [
+        (family.name, validate(family, FIXED_CONTROLLER, setup=setup, seeds=seeds, margin_seeds=1))
+        for family in fixed_families(setup)
+    ]
+
+
+def show(design: Design, base: Base, *, setup: Setup, duration_s: float, seed: int = 770_001) -> Run:
+    """Run a design once, to be looked at."""
+    from stillrate.platform.running import run_links
+
+    family = _family(families(setup), design.family)
+    filled = filled_links(family, design.parameters)
+    return run_links(base, filled, setup=setup, controller=design.controller, seed=seed, duration_s=duration_s)
+
+
+def filled_links(family: Family, parameters: Sequence[float]) -> list[Link]:
+    """Return a family's chain with its open settings filled in."""
+    chain: list[Link] = [(method, dict(settings)) for method, settings in family.chain]
+    for (link, name, *_), value in zip(family.open, parameters, strict=True):
+        settings = chain[link][1]
+        stem, _, index = name.rpartition(".")
+        listed = settings.get(stem)
+        if isinstance(listed, list):
+            settings[stem] = [value if str(i) == index else x for i, x in enumerate(listed)]
+        else:
+            settings[name] = value
+    return chain
