@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from reference import replay
-
 import stillrate as sr
+from reference import replay
 from stillrate import closed_forms
 
 FOLDER = Path(__file__).parent / "reference" / "recursive"
@@ -35,8 +34,11 @@ def answers(document: object, found: dict[str, np.ndarray]) -> dict[str, np.ndar
         node = document
         for part in key.split("/"):
             node = node[int(part)] if isinstance(node, list) else node[part]
-        flat = [[math.nan if x is None else x for x in row] if isinstance(row, list) else row for row in node] \
-            if isinstance(node, list) else node
+        flat = (
+            [[math.nan if x is None else x for x in row] if isinstance(row, list) else row for row in node]
+            if isinstance(node, list)
+            else node
+        )
         values[key] = np.array([math.nan if x is None else x for x in flat] if isinstance(flat, list) else flat, float)
     return values
 

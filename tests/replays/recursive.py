@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
 import stillrate as sr
 from stillrate import attitude, closed_forms
 
@@ -201,9 +200,7 @@ def _rls_vec(document: dict[str, Any]) -> dict[str, np.ndarray]:
     upper = np.triu_indices(phi.shape[1])
     found: dict[str, np.ndarray] = {}
     for i, case in enumerate(document["cases"]):
-        rls = sr.VectorRls(
-            phi.shape[1], forgetting_factor=float(case["lam"]), initial_covariance=float(case["p0"])
-        )
+        rls = sr.VectorRls(phi.shape[1], forgetting_factor=float(case["lam"]), initial_covariance=float(case["p0"]))
         weights, covariance = [], []
         for row, value in zip(phi, y, strict=True):
             rls.update(row, value)

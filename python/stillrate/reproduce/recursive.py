@@ -70,7 +70,9 @@ def claims(bench: dict[str, Any], steady: list[dict[str, Any]], fixes: list[Any]
             f"mixed motion: error {rows['EMA .9512'][-1]:.1f} sigma; VFF {rows['VFF'][-1]:.2f}",
             rows["EMA .9512"][-1] < 1.0,
         ),
-        Claim("bias from two fixes to 0.1 % (.15 deg/h), without noise", f"exact method {exact:.1e} deg/h", exact < 0.15),
+        Claim(
+            "bias from two fixes to 0.1 % (.15 deg/h), without noise", f"exact method {exact:.1e} deg/h", exact < 0.15
+        ),
         Claim("the same with the small-angle formula", f"error up to {short:.1f} deg/h", short < 0.15),
         Claim(
             "0.1 % with a real gyro (.3 deg/sqrt(h), 2.5 s)",
@@ -157,8 +159,8 @@ def two_point(console: Console | None = None) -> None:
 class BroadGap:
     """Bias of a real gyro against motion capture, beside the mean of its rest phase; deg/h.
 
-    The logger truncates towards zero (the bin of code 0 is twice as wide as the others, at rest and in motion), which takes half a
-    step off the mean at rest but nothing off the mean in motion: `rest_untruncated_deg_h` puts it back.
+    The logger truncates towards zero (the bin of code 0 is twice as wide as the others, at rest and in motion), which
+    takes half a step off the mean at rest but nothing off the mean in motion: `rest_untruncated_deg_h` puts it back.
     """
 
     rest_deg_h: npt.NDArray[np.float64]
@@ -186,8 +188,8 @@ class BroadGap:
 def broad_gap(path: Path, every_s: float = 0.5, reference_sigma_deg: float = 0.2) -> BroadGap:
     """Estimate the bias of a BROAD recording from its motion phase and compare it with its rest phase.
 
-    The motion capture's attitude is the reference every `every_s` seconds; mounting and lag are estimated, then scale factors as well. The rates
-    are instantaneous samples. The camera frame's heading is unknown, so Earth rate (at most 15 deg/h) stays in the gap.
+    The motion capture's attitude is the reference every `every_s` seconds; mounting and lag are estimated, then scale
+    factors as well. The rates are instantaneous samples. The camera frame's heading is unknown, so Earth rate (at most 15 deg/h) stays in the gap.
 
     Parameters
     ----------
