@@ -22,9 +22,7 @@ def test_a_bed_is_the_sum_of_its_parts_and_repeats():
 
 @pytest.mark.parametrize("kind", ["static", "waves", "rough-waves", "steps", "chirp"])
 def test_every_bed_runs_at_any_rate_and_length(kind):
-    run = simulate.bed(
-        kind, 123.0, 1, duration_s=20.0, waves_end_s=10.0, noise=simulate.GyroModel(lsb_dps=0.1)
-    )
+    run = simulate.bed(kind, 123.0, 1, duration_s=20.0, waves_end_s=10.0, noise=simulate.GyroModel(lsb_dps=0.1))
     assert run.measured_dps.shape == (2460,)
     assert np.all(np.isfinite(run.truth_dps))
 

@@ -175,9 +175,9 @@ def test_the_command_line_writes_coefficients_and_a_page(run: dict[str, np.ndarr
 
 @pytest.mark.long
 def test_the_study_meets_its_figures() -> None:
-    from stillrate.reproduce.gimbal import reproduce
+    from stillrate.reproduce.gimbal import study
 
-    found = reproduce(draws=20, seed=3001)
+    found = study(draws=20, seed=3001)
     of = {(line.case, line.method): line for line in found.lines}
     best = of["(1) zero", "recursive Gauss-Newton"]
     assert 0.85 <= best.normalised_error <= 1.15

@@ -6,10 +6,9 @@ import json
 
 import numpy as np
 import pytest
+import stillrate as sr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-import stillrate as sr
 from stillrate import _native
 from stillrate.cli import main
 
@@ -126,7 +125,11 @@ def log_of(rates, samples=200, seed=1, noise=0.1, scale=1.0):
         (log_of([1, 2], 20)[1], log_of([1, 2], 20)[0], "40 usable samples"),
         (np.full(1000, np.nan), np.repeat([1.0, 2.0], 500), "0 usable samples"),
         (log_of([2, 2, 2])[1], log_of([2, 2, 2])[0], "at least two different rates"),
-        (log_of([-3, 0, 3], scale=np.pi / 180, noise=0.001)[1], log_of([-3, 0, 3])[0], "measured rate seems to be in rad/s"),
+        (
+            log_of([-3, 0, 3], scale=np.pi / 180, noise=0.001)[1],
+            log_of([-3, 0, 3])[0],
+            "measured rate seems to be in rad/s",
+        ),
         (log_of([-3, 0, 3], scale=180 / np.pi)[1], log_of([-3, 0, 3])[0], "true rate seems to be in rad/s"),
         (log_of([-3, 0, 3], scale=-1)[1], log_of([-3, 0, 3])[0], "wrong sign"),
         (log_of([-3, 0, 3])[0], log_of([-3, 0, 3])[0], "same numbers"),
@@ -260,8 +263,13 @@ def test_wrong_arguments_of_tune_are_named():
 def test_the_swarm_finds_shifted_minima(dimensions):
     centre = np.linspace(2.0, 4.0, dimensions)
     best = rt.minimise(
-        lambda p: ((p - centre) ** 2).sum(axis=1), [-10] * dimensions, [10] * dimensions, "qpso",
-        particles=40, iterations=300, seed=3,
+        lambda p: ((p - centre) ** 2).sum(axis=1),
+        [-10] * dimensions,
+        [10] * dimensions,
+        "qpso",
+        particles=40,
+        iterations=300,
+        seed=3,
     )
     assert best.value < 1e-4
 
@@ -297,7 +305,10 @@ def test_the_study_holds_on_ten_units():
         study = _native.rate_table_study(unit, unit, 0)
         rows = {row[0]: row for row in study["rows"]}
         raw = rows["raw"]
-        for name, limit in (("calibration + KF, innovations on motion", 0.40), ("two-state KF, innovations, then calibration", 0.29)):
+        for name, limit in (
+            ("calibration + KF, innovations on motion", 0.40),
+            ("two-state KF, innovations, then calibration", 0.29),
+        ):
             ratios.append((rows[name][1] / raw[1], limit))
             worst = max(worst, *(a / b for a, b in zip(rows[name][2], raw[2], strict=True)))
         assert study["warned"]

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference import replay
-
 import stillrate as sr
+from reference import replay
 
 FOLDER = Path(__file__).parent / "reference" / "rate_table"
 # Inputs and settings of the files, and words that are no numbers; everything else is an answer.

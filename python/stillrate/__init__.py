@@ -29,11 +29,13 @@ if TYPE_CHECKING:
     from stillrate import attitude, closed_forms, gimbal, metrics, platform, rate_table, simulate
     from stillrate.allan_deviation import Allan, allan
     from stillrate.bias import ReferenceBias, reference_bias
+    from stillrate.denoising import denoise
     from stillrate.cleaning import denoise
     from stillrate.io import Log, read, write
     from stillrate.observe import Observability, bench_imu, observability
     from stillrate.singer import SingerCoefficients, singer_coefficients
     from stillrate.vector_rls import VectorRls
+    from stillrate.tuning import tune
 
 # What filtering does not need, by the module it lives in; a name that is its own module stands for the module.
 _LATER = {
@@ -47,6 +49,7 @@ _LATER = {
     "attitude": "attitude",
     "bench_imu": "observe",
     "closed_forms": "closed_forms",
+    "denoise": "denoising",
     "denoise": "cleaning",
     "gimbal": "gimbal",
     "metrics": "metrics",
@@ -57,6 +60,7 @@ _LATER = {
     "reference_bias": "bias",
     "simulate": "simulate",
     "singer_coefficients": "singer",
+    "tune": "tuning",
     "write": "io",
 }
 
@@ -108,6 +112,7 @@ __all__ = [
     "reference_bias",
     "simulate",
     "singer_coefficients",
+    "tune",
     "write",
 ]
 

@@ -71,14 +71,11 @@ def pit_variance(probability: Any, innovation: Any, innovation_variance: Any) ->
     1.0
     """
     tables = [
-        np.atleast_2d(np.asarray(table, dtype=np.float64))
-        for table in (probability, innovation, innovation_variance)
+        np.atleast_2d(np.asarray(table, dtype=np.float64)) for table in (probability, innovation, innovation_variance)
     ]
     if any(table.ndim != 2 or table.shape != tables[0].shape for table in tables):
         raise ValueError(f"tables of shapes {[table.shape for table in tables]} (must all be (n, models))")
-    return _native.pit_variance(
-        *(np.ascontiguousarray(table).reshape(-1) for table in tables), tables[0].shape[1]
-    )
+    return _native.pit_variance(*(np.ascontiguousarray(table).reshape(-1) for table in tables), tables[0].shape[1])
 
 
 def lag_ms(estimate: Any, truth: Any, sample_rate_hz: float, *, max_lag_s: float = 0.2) -> float:
@@ -96,9 +93,7 @@ def lag_ms(estimate: Any, truth: Any, sample_rate_hz: float, *, max_lag_s: float
     return float(_native.lag_ms(as_column(estimate), as_column(truth), sample_rate_hz, max_lag_s))
 
 
-def settling(
-    estimate: Any, truth: Any, sample_rate_hz: float, *, start: int, stop: int, band: float
-) -> Settling:
+def settling(estimate: Any, truth: Any, sample_rate_hz: float, *, start: int, stop: int, band: float) -> Settling:
     """Return peak error and settling time over samples `start` to `stop`, from a step to before the next.
 
     Examples
@@ -106,6 +101,4 @@ def settling(
     >>> settling([0.0, 2.0, 4.0, 5.0, 5.0], [5.0] * 5, 10.0, start=0, stop=5, band=0.5)
     Settling(peak=5.0, time_s=0.3)
     """
-    return Settling(
-        *_native.settling(as_column(estimate), as_column(truth), sample_rate_hz, start, stop, band)
-    )
+    return Settling(*_native.settling(as_column(estimate), as_column(truth), sample_rate_hz, start, stop, band))

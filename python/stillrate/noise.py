@@ -198,8 +198,7 @@ def noise_from_log(z: Any, sample_rate_hz: float) -> list[NoiseFromLog]:
     True
     """
     return [
-        NoiseFromLog(**{**figures, "quiet": slice(*figures["quiet"])})
-        for figures in _measure(z, sample_rate_hz)[0]
+        NoiseFromLog(**{**figures, "quiet": slice(*figures["quiet"])}) for figures in _measure(z, sample_rate_hz)[0]
     ]
 
 

@@ -201,9 +201,7 @@ def gyro(motion_dps: Any, sample_rate_hz: float, seed: int, noise: GyroModel | N
     return Reading(*_native.simulate_gyro(as_column(motion_dps), sample_rate_hz, seed, numbers))
 
 
-def best_at_rest(
-    measured_dps: Any, sample_rate_hz: float, noise: GyroModel | None = None
-) -> tuple[Array, Array]:
+def best_at_rest(measured_dps: Any, sample_rate_hz: float, noise: GyroModel | None = None) -> tuple[Array, Array]:
     """Return estimate and variance of the best linear filter for a gyro at rest, run on the given samples.
 
     Examples

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
 import stillrate as sr
 
 rt = sr.rate_table
@@ -29,8 +28,14 @@ def replay(path: str | Path) -> dict[str, np.ndarray]:
     kind = _kind(data)
     if kind is None:
         raise ValueError(f"{path}: not of the rate-table family")
-    answers = {"uniform": _uniform, "network": _network, "kalman": _kalman, "swarm": _swarm, "metrics": _metrics,
-               "staircase": _staircase}[kind](data)
+    answers = {
+        "uniform": _uniform,
+        "network": _network,
+        "kalman": _kalman,
+        "swarm": _swarm,
+        "metrics": _metrics,
+        "staircase": _staircase,
+    }[kind](data)
     return {key: np.asarray(value, dtype=np.float64) for key, value in answers.items()}
 
 
@@ -103,17 +108,33 @@ def _swarm(data: dict[str, Any]) -> dict[str, Any]:
     for k, case in enumerate(data["cases"]):
         dimensions = case["d"]
         trace = rt.qpso_trace(
-            function, case["lo"], case["hi"], data["uniforms"], particles=case["n"],
-            iterations=case["iters_schedule"], last_contraction=float(case["w1"]), first_contraction=float(case["w2"]),
-            own_weight=float(case["c1"]), swarm_weight=float(case["c2"]), attractor=case["phi"], bound=case["bound"],
+            function,
+            case["lo"],
+            case["hi"],
+            data["uniforms"],
+            particles=case["n"],
+            iterations=case["iters_schedule"],
+            last_contraction=float(case["w1"]),
+            first_contraction=float(case["w2"]),
+            own_weight=float(case["c1"]),
+            swarm_weight=float(case["c2"]),
+            attractor=case["phi"],
+            bound=case["bound"],
             target=float("-inf"),
         )
         for i, expected in enumerate(case["trace"]):
             swarm, key = trace[expected["t"]], f"cases/{k}/trace/{i}"
-            table = {name: np.reshape(swarm[source], (-1, dimensions)) for name, source in
-                     (("x", "position"), ("pbest", "best"))}
-            table |= {"f": swarm["value"], "gbest": swarm["swarm_best"], "gf": swarm["swarm_value"],
-                      "beta": swarm["contraction"], "mbest": swarm["mean_best"]}
+            table = {
+                name: np.reshape(swarm[source], (-1, dimensions))
+                for name, source in (("x", "position"), ("pbest", "best"))
+            }
+            table |= {
+                "f": swarm["value"],
+                "gbest": swarm["swarm_best"],
+                "gf": swarm["swarm_value"],
+                "beta": swarm["contraction"],
+                "mbest": swarm["mean_best"],
+            }
             out |= {f"{key}/{name}": table[name] for name in expected if name in table}
         out[f"cases/{k}/final/gbest"] = trace[-1]["swarm_best"]
         out[f"cases/{k}/final/gf"] = trace[-1]["swarm_value"]

@@ -72,9 +72,7 @@ def command(
         measured = _measured(log, channel, {true, temperature})
         truth = _column(log, true) if true is not None else _rates(table_rates or "")
         degrees = None if temperature is None else _column(log, temperature)
-        model = rate_table.fit(
-            measured, truth, degrees, sample_rate_hz=log.sample_rate_hz, slope_limit=slope_limit
-        )
+        model = rate_table.fit(measured, truth, degrees, sample_rate_hz=log.sample_rate_hz, slope_limit=slope_limit)
     except LogError as error:
         raise LogError(f"{source}: {error}") from None
     model.save(output, force=force)
@@ -88,7 +86,9 @@ def command(
         console = Console(stderr=True)
         console.print(_summary(model))
         console.print(_verdict(model), highlight=False, markup=False, soft_wrap=True)
-        console.print(f"wrote {output}" + (f" and {report}" if report else ""), highlight=False, markup=False, soft_wrap=True)
+        console.print(
+            f"wrote {output}" + (f" and {report}" if report else ""), highlight=False, markup=False, soft_wrap=True
+        )
     return 0
 
 
@@ -120,7 +120,9 @@ def _measured(log: Log, channel: str | None, others: set[str | None]) -> npt.NDA
         return _column(log, channel)
     candidates = [name for name in log.channels if name not in others]
     if len(candidates) != 1:
-        raise LogError(f"the log has {len(candidates)} rate columns ({', '.join(candidates)}): choose one with --channel")
+        raise LogError(
+            f"the log has {len(candidates)} rate columns ({', '.join(candidates)}): choose one with --channel"
+        )
     return _column(log, candidates[0])
 
 
@@ -133,7 +135,10 @@ def _summary(model: ErrorModel) -> Table:
         table.add_column(name, justify="left" if name in ("curve", "") else "right")
     for found in model.calibration.candidates if model.calibration else ():
         note = found.refused or ("chosen" if found.name == model.kind else "")
-        cells = [f"{v:.4g}" if np.isfinite(v) else "-" for v in (found.held_out_dps, found.residual_dps, found.steepest_slope)]
+        cells = [
+            f"{v:.4g}" if np.isfinite(v) else "-"
+            for v in (found.held_out_dps, found.residual_dps, found.steepest_slope)
+        ]
         table.add_row(found.name, *cells, note)
     return table
 

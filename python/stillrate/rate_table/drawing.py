@@ -34,7 +34,13 @@ def draw(path: Path, title: str, x_label: str, y_label: str, lines: Sequence[Lin
 
 
 def picture(
-    title: str, x_label: str, y_label: str, lines: Sequence[Line], *, ticks: Sequence[str] = (), logarithmic: bool = False
+    title: str,
+    x_label: str,
+    y_label: str,
+    lines: Sequence[Line],
+    *,
+    ticks: Sequence[str] = (),
+    logarithmic: bool = False,
 ) -> str:
     """Return a drawing as SVG text; `ticks` names whole numbers on the x axis."""
     bottom = _BOTTOM + (110 if ticks else 0)
@@ -70,14 +76,21 @@ def picture(
     if ticks:
         for k, name in enumerate(ticks):
             x, y = px(float(k)), height - bottom + 12
-            out.append(f'<text x="{x:.1f}" y="{y}" text-anchor="end" transform="rotate(-40 {x:.1f} {y})">{html.escape(name)}</text>')
+            out.append(
+                f'<text x="{x:.1f}" y="{y}" text-anchor="end" transform="rotate(-40 {x:.1f} {y})">{html.escape(name)}</text>'
+            )
     else:
-        out += [f'<text x="{px(v):.1f}" y="{height - bottom + 16}" text-anchor="middle">{v:.4g}</text>' for v in _nice(x0, x1)]
+        out += [
+            f'<text x="{px(v):.1f}" y="{height - bottom + 16}" text-anchor="middle">{v:.4g}</text>'
+            for v in _nice(x0, x1)
+        ]
         out.append(f'<text x="{WIDTH / 2}" y="{height - 8}" text-anchor="middle">{html.escape(x_label)}</text>')
-    out.append(f'<text transform="translate(14 {height / 2}) rotate(-90)" text-anchor="middle">{html.escape(y_label)}</text>')
+    out.append(
+        f'<text transform="translate(14 {height / 2}) rotate(-90)" text-anchor="middle">{html.escape(y_label)}</text>'
+    )
     for k, line in enumerate(lines):
-        y = scaled(line.y)
-        points = [(px(float(a)), py(float(b))) for a, b in zip(line.x, y, strict=True) if math.isfinite(b)]
+        heights = scaled(line.y)
+        points = [(px(float(a)), py(float(b))) for a, b in zip(line.x, heights, strict=True) if math.isfinite(b)]
         if not line.marks:
             path = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
             out.append(f'<polyline fill="none" stroke="{line.colour}" stroke-width="1.6" points="{path}"/>')
@@ -86,7 +99,9 @@ def picture(
         if line.error is not None:
             for a, b, e in zip(line.x, line.y, line.error, strict=True):
                 x = px(float(a))
-                out.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{py(float(b - e)):.1f}" y2="{py(float(b + e)):.1f}" stroke="{line.colour}"/>')
+                out.append(
+                    f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{py(float(b - e)):.1f}" y2="{py(float(b + e)):.1f}" stroke="{line.colour}"/>'
+                )
         out.append(
             f'<rect x="{_LEFT + 8}" y="{_TOP + 4 + 16 * k}" width="10" height="10" fill="{line.colour}"/>'
             f'<text x="{_LEFT + 24}" y="{_TOP + 13 + 16 * k}">{html.escape(line.name)}</text>'

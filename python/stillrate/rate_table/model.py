@@ -22,7 +22,7 @@ MAX_BYTES = 65_536
 def as_floats(values: npt.ArrayLike, name: str) -> Floats:
     """Return one-dimensional contiguous double precision; masked samples become NaN."""
     if isinstance(values, np.ma.MaskedArray):
-        values = values.astype(np.float64).filled(np.nan)
+        values = np.ma.filled(values.astype(np.float64), np.nan)
     array = np.ascontiguousarray(values, dtype=np.float64)
     if array.ndim != 1:
         raise LogError(f"{name} has {array.ndim} dimensions (must have 1)")
@@ -170,8 +170,7 @@ class ErrorModel:
 
     def outside(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> npt.NDArray[np.bool_]:
         """Return where rates lie outside the calibrated range."""
-        result: npt.NDArray[np.bool_] = self._map("error", rate_dps, temperature_c)[1]
-        return result
+        return self._map("error", rate_dps, temperature_c)[1]
 
     def slope(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> Floats:
         """Return the slope of the error in the rate; 0 outside the calibrated range."""
@@ -194,17 +193,13 @@ class ErrorModel:
         """Return how much the correction helps on a log, or on the left-out rates of the fit if no log is given."""
         if rate_dps is None or true_dps is None:
             raw, corrected = self.uncorrected_dps, self.held_out_dps
-            return Score(
-                raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=0.0, held_out=True
-            )
+            return Score(raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=0.0, held_out=True)
         measured, true = as_floats(rate_dps, "rate_dps"), as_floats(true_dps, "true_dps")
         if measured.size != true.size:
             raise LogError(f"{true.size} true rates for {measured.size} measured ones (must be as many)")
         temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c")
         raw, corrected, share = refusals(self.native.score, measured, true, temperature)
-        return Score(
-            raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=share, held_out=False
-        )
+        return Score(raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=share, held_out=False)
 
     def save(self, path: str | Path, *, force: bool = False) -> None:
         """Write the model as JSON with version and checksum.
@@ -255,12 +250,15 @@ class ErrorModel:
             calibration=calibration,
         )
 
-    def _map(self, what: str, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None) -> Any:
+    def _map(
+        self, what: str, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None
+    ) -> tuple[Floats, npt.NDArray[np.bool_]]:
         rates = as_floats(np.atleast_1d(rate_dps), "rate_dps")
         temperature = None
         if temperature_c is not None:
             temperature = as_floats(np.broadcast_to(temperature_c, rates.shape), "temperature_c")
-        return refusals(getattr(self.native, what), rates, temperature)
+        pair: tuple[Floats, npt.NDArray[np.bool_]] = refusals(getattr(self.native, what), rates, temperature)
+        return pair
 
 
 def plateaus(
@@ -348,8 +346,14 @@ def fit_points(
     seed: int = 1,
 ) -> ErrorModel:
     """Fit averaged calibration points: true rate, mean error and its standard error, all in deg/s."""
-    columns = [as_floats(values, name).tolist() for values, name in (
-        (rate_dps, "rate_dps"), (error_dps, "error_dps"), (standard_error_dps, "standard_error_dps"))]
+    columns = [
+        as_floats(values, name).tolist()
+        for values, name in (
+            (rate_dps, "rate_dps"),
+            (error_dps, "error_dps"),
+            (standard_error_dps, "standard_error_dps"),
+        )
+    ]
     temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c").tolist()
     names = None if candidates is None else list(candidates)
     made = refusals(_native.rate_table_fit_points, *columns, temperature, names, slope_limit, seed)

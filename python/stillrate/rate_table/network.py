@@ -76,18 +76,24 @@ class Network:
             _native.network_step, *self._shape(), _flat(rows), as_floats(targets, "targets"), decay, mask, damping
         )
         return Step(
-            step=done["step"], before=done["before"], after=done["after"],
-            mean_square=done["mse"], gradient=done["gradient"],
+            step=done["step"],
+            before=done["before"],
+            after=done["after"],
+            mean_square=done["mse"],
+            gradient=done["gradient"],
         )
 
-    def error_model(
-        self, input_scaling: list[tuple[float, float]], output_scaling: tuple[float, float]
-    ) -> ErrorModel:
+    def error_model(self, input_scaling: list[tuple[float, float]], output_scaling: tuple[float, float]) -> ErrorModel:
         """Return the network as an (unchecked) error model; scalings are (smallest value, range)."""
         parameters = as_floats(self.parameters, "parameters").tolist()
         native = refusals(
             _native.RateTableModel.from_network,
-            self.inputs, self.hidden, self.linear, parameters, input_scaling, output_scaling,
+            self.inputs,
+            self.hidden,
+            self.linear,
+            parameters,
+            input_scaling,
+            output_scaling,
         )
         return ErrorModel.from_native(native)
 
@@ -114,8 +120,16 @@ def train(
     array = np.asarray(rows, dtype=np.float64)
     inputs = 1 if array.ndim == 1 else array.shape[1]
     parameters, _, _ = refusals(
-        _native.network_train, inputs, hidden, linear, _flat(rows), as_floats(targets, "targets"),
-        decay, epochs, patience, seed,
+        _native.network_train,
+        inputs,
+        hidden,
+        linear,
+        _flat(rows),
+        as_floats(targets, "targets"),
+        decay,
+        epochs,
+        patience,
+        seed,
     )
     return Network(parameters=parameters, inputs=inputs, hidden=hidden, linear=linear)
 

@@ -64,9 +64,7 @@ def minimise(
     low, high = [float(v) for v in lower], [float(v) for v in upper]
     if method == "de":
         return _differential_evolution(objective, low, high, progress, options)
-    point, value, evaluations = refusals(
-        _native.minimise_callable, objective, low, high, method, options, progress
-    )
+    point, value, evaluations = refusals(_native.minimise_callable, objective, low, high, method, options, progress)
     return Minimum(point=np.asarray(point), value=value, evaluations=evaluations)
 
 
@@ -96,9 +94,16 @@ def _differential_evolution(
     dimensions = len(low)
     population = max(5, int(options.get("particles", 40)))
     done = scipy.differential_evolution(
-        values, list(zip(low, high, strict=True)), maxiter=int(options.get("iterations", 100)),
-        popsize=max(1, round(population / dimensions)), tol=float(options.get("tolerance", 1e-6)),
-        rng=int(options.get("seed", 1)), polish=False, vectorized=True, updating="deferred", callback=report,
+        values,
+        list(zip(low, high, strict=True)),
+        maxiter=int(options.get("iterations", 100)),
+        popsize=max(1, round(population / dimensions)),
+        tol=float(options.get("tolerance", 1e-6)),
+        rng=int(options.get("seed", 1)),
+        polish=False,
+        vectorized=True,
+        updating="deferred",
+        callback=report,
     )
     if not np.isfinite(done.fun):
         raise LogError(f"the objective gave no finite value at any of {best[1]} points")

@@ -48,7 +48,11 @@ def render(model: ErrorModel, source: str) -> str:
         "noise and slow drift are a filter's business.</p>",
     ]
     if model.calibration is not None:
-        parts += [_curve(model, model.calibration), _candidates(model, model.calibration), _residuals(model.calibration)]
+        parts += [
+            _curve(model, model.calibration),
+            _candidates(model, model.calibration),
+            _residuals(model.calibration),
+        ]
     return "\n".join([*parts, "</body></html>"]) + "\n"
 
 
@@ -68,8 +72,14 @@ def _curve(model: ErrorModel, points: Calibration) -> str:
         name = f"{model.kind}, edges held" + ("" if degrees is None else f", {degrees:.3g} °C")
         lines.append(Line(name, grid, model.predict(grid, degrees), colour))
     lines.append(
-        Line("segments, two standard errors", points.rate_dps, points.error_dps, "#e0884a", marks=True,
-             error=2.0 * points.standard_error_dps)
+        Line(
+            "segments, two standard errors",
+            points.rate_dps,
+            points.error_dps,
+            "#e0884a",
+            marks=True,
+            error=2.0 * points.standard_error_dps,
+        )
     )
     return picture("Error curve", "true rate, deg/s", "measured less true, deg/s", lines)
 
@@ -77,7 +87,10 @@ def _curve(model: ErrorModel, points: Calibration) -> str:
 def _candidates(model: ErrorModel, points: Calibration) -> str:
     rows = []
     for found in points.candidates:
-        cells = [f"{v:.4g}" if np.isfinite(v) else "-" for v in (found.held_out_dps, found.residual_dps, found.steepest_slope)]
+        cells = [
+            f"{v:.4g}" if np.isfinite(v) else "-"
+            for v in (found.held_out_dps, found.residual_dps, found.steepest_slope)
+        ]
         chosen = found.name == model.kind
         note = found.refused or ("chosen" if chosen else "")
         inner = "".join(f"<td>{cell}</td>" for cell in cells)
@@ -92,15 +105,26 @@ def _candidates(model: ErrorModel, points: Calibration) -> str:
 
 
 def _residuals(points: Calibration) -> str:
-    line = Line("residual, two standard errors", points.rate_dps, points.residual_dps, "#1467c8", marks=True,
-                error=2.0 * points.standard_error_dps)
+    line = Line(
+        "residual, two standard errors",
+        points.rate_dps,
+        points.residual_dps,
+        "#1467c8",
+        marks=True,
+        error=2.0 * points.standard_error_dps,
+    )
     zero = Line("zero", np.array([points.rate_dps.min(), points.rate_dps.max()]), np.zeros(2), "#999999")
     rows = "".join(
         f"<tr><td>{rate:.5g}</td><td>{'' if np.isnan(degrees) else f'{degrees:.4g}'}</td><td>{error:.4g}</td><td>{se:.2g}</td>"
         f"<td>{residual:.4g}</td><td>{count:.0f}</td></tr>"
         for rate, degrees, error, se, residual, count in zip(
-            points.rate_dps, points.temperature_c, points.error_dps, points.standard_error_dps, points.residual_dps,
-            points.samples, strict=True,
+            points.rate_dps,
+            points.temperature_c,
+            points.error_dps,
+            points.standard_error_dps,
+            points.residual_dps,
+            points.samples,
+            strict=True,
         )
     )
     return (

@@ -92,9 +92,7 @@ class Errors:
 
 def compare(estimate_dps: npt.ArrayLike, true_dps: npt.ArrayLike) -> Errors:
     """Return the errors of an estimate, shape (n,), against the truth."""
-    mse, mae = refusals(
-        _native.compare_rates, as_floats(estimate_dps, "estimate_dps"), as_floats(true_dps, "true_dps")
-    )
+    mse, mae = refusals(_native.compare_rates, as_floats(estimate_dps, "estimate_dps"), as_floats(true_dps, "true_dps"))
     return Errors(mae=mae, mse=mse, rmse=float(np.sqrt(mse)))
 
 
@@ -158,16 +156,26 @@ def tune(
         density, walk, value, evaluations = refusals(_native.tune_bank, native, progress)
         noise = GyroNoise(density_dps_sqrt_hz=density, rate_random_walk_dps_sqrt_s=walk)
         return TunedNoise(
-            model=model, log10_ratio=float("nan"), process_noise=walk**2 * period,
-            measurement_variance=density**2 * sample_rate_hz, noise=noise, objective=value,
-            evaluations=evaluations, moving=bool(refusals(native.moving)), warnings=(),
+            model=model,
+            log10_ratio=float("nan"),
+            process_noise=walk**2 * period,
+            measurement_variance=density**2 * sample_rate_hz,
+            noise=noise,
+            objective=value,
+            evaluations=evaluations,
+            moving=bool(refusals(native.moving)),
+            warnings=(),
         )
     if method == "de":
         low, high = native.range()
         lower, upper = ([-10.0, -10.0], [10.0, 10.0]) if separate else ([low], [high])
         best = minimise(
             lambda points: native.values(np.ascontiguousarray(points).ravel(), len(lower)),
-            lower, upper, "de", progress=progress, **options,
+            lower,
+            upper,
+            "de",
+            progress=progress,
+            **options,
         )
         found = native.finish(best.point.tolist(), best.value, best.evaluations)
     else:
@@ -203,7 +211,11 @@ def kalman(
     rate, gain, variances = refusals(_native.kalman_random_walk, *arguments)
     innovation, implied, settled = refusals(_native.kalman_score, *arguments)
     return KalmanRun(
-        rate_dps=rate, variance=variances, gain=gain, innovation=innovation, implied_variance=implied,
+        rate_dps=rate,
+        variance=variances,
+        gain=gain,
+        innovation=innovation,
+        implied_variance=implied,
         settled_gain=settled,
     )
 

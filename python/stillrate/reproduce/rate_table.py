@@ -44,10 +44,18 @@ def reproduce(folder: Path | None = None, *, seeds: int = 4, units: int = 10, ep
     """
     tables = [_native.rate_table_table3(0, seed, epochs) for seed in range(1, seeds + 1)]
     studies = [_native.rate_table_study(unit, unit, epochs if unit == 1 else 0) for unit in range(1, units + 1)]
-    text = "\n\n".join([
-        "# Rate-table error model: the published table and held-out motion",
-        _table3(tables), _orderings(tables), _held_out(studies), CONCLUSION,
-    ]) + "\n"
+    text = (
+        "\n\n".join(
+            [
+                "# Rate-table error model: the published table and held-out motion",
+                _table3(tables),
+                _orderings(tables),
+                _held_out(studies),
+                CONCLUSION,
+            ]
+        )
+        + "\n"
+    )
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "rate_table.md").write_text(text, encoding="utf-8")
@@ -75,8 +83,13 @@ def _table3(tables: list[dict[str, Any]]) -> str:
         "|---|---|---|---|",
     ]
     for method, values in _by_method(tables).items():
-        shapes = [a / m**0.5 for table in tables for name, mse, mae in table["rows"] if name == method
-                  for m, a in zip(mse, mae, strict=True)]
+        shapes = [
+            a / m**0.5
+            for table in tables
+            for name, mse, mae in table["rows"]
+            if name == method
+            for m, a in zip(mse, mae, strict=True)
+        ]
         low_high = PUBLISHED_MSE.get(method)
         published = "-" if low_high is None else f"{low_high[0]:.1e} .. {low_high[1]:.1e}"
         lines.append(
@@ -94,16 +107,18 @@ def _orderings(tables: list[dict[str, Any]]) -> str:
     def below(first: str, second: str) -> int:
         return sum(a < b for a, b in zip(values[first], values[second], strict=True))
 
-    return "\n".join([
-        "Orderings:",
-        "",
-        f"- published network + KF below QPSO-KF: {below('published network + QPSO-KF', 'QPSO-KF')} of {count}",
-        f"- QPSO-KF below BP-KF: {below('QPSO-KF', 'BP-KF (stand-in)')} of {count} (never by much)",
-        f"- everything below raw: {min(below(name, 'raw') for name in values if name != 'raw')} of {count} at worst",
-        "- published QPSO-KF below VMD below BP-KF: VMD is compared in `benches/rate_table_baselines.py`; the publication does "
-        "not define BP-KF, the stand-in maps two statistics of a record to Q/R.",
-        *_levels(values),
-    ])
+    return "\n".join(
+        [
+            "Orderings:",
+            "",
+            f"- published network + KF below QPSO-KF: {below('published network + QPSO-KF', 'QPSO-KF')} of {count}",
+            f"- QPSO-KF below BP-KF: {below('QPSO-KF', 'BP-KF (stand-in)')} of {count} (never by much)",
+            f"- everything below raw: {min(below(name, 'raw') for name in values if name != 'raw')} of {count} at worst",
+            "- published QPSO-KF below VMD below BP-KF: VMD is compared in `benches/rate_table_baselines.py`; the publication does "
+            "not define BP-KF, the stand-in maps two statistics of a record to Q/R.",
+            *_levels(values),
+        ]
+    )
 
 
 def _levels(values: dict[str, list[float]]) -> list[str]:
@@ -113,7 +128,9 @@ def _levels(values: dict[str, list[float]]) -> list[str]:
         middle = median(values[method])
         if not low <= middle <= high:
             side = "below" if middle < low else "above"
-            lines.append(f"- level not reproduced: {method}, median {middle:.1e} lies {side} the published {low:.1e} .. {high:.1e}")
+            lines.append(
+                f"- level not reproduced: {method}, median {middle:.1e} lies {side} the published {low:.1e} .. {high:.1e}"
+            )
     if any("QPSO-KF" in line for line in lines):
         lines.append(
             "  (the swarm is not stopped at 1e-5 here, a rule that its first, random particles already meet; level and drift of "
@@ -130,7 +147,9 @@ def _held_out(studies: list[dict[str, Any]]) -> str:
         "",
         "Calibrated on 13 rates of 10 s; noise tuned on other motions; test noise of its own. The published network is shown for unit 1.",
         "",
-        "| method | " + " | ".join(["in range", "over raw", "worst motion over raw", *_SHORT, *jumps, "outside"]) + " |",
+        "| method | "
+        + " | ".join(["in range", "over raw", "worst motion over raw", *_SHORT, *jumps, "outside"])
+        + " |",
         "|" + "---|" * (len(_SHORT) + len(jumps) + 5),
     ]
     for method in methods:
@@ -147,8 +166,14 @@ def _held_out(studies: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-_SHORT = {"constant 0": "constant 0", "ramp": "ramp -6..6 in 10 s", "sine 0.1": "sine 4, 0.1 Hz",
-          "sine 0.5": "sine 4, 0.5 Hz", "sine 1": "sine 4, 1 Hz", "sine 2": "sine 4, 2 Hz"}
+_SHORT = {
+    "constant 0": "constant 0",
+    "ramp": "ramp -6..6 in 10 s",
+    "sine 0.1": "sine 4, 0.1 Hz",
+    "sine 0.5": "sine 4, 0.5 Hz",
+    "sine 1": "sine 4, 1 Hz",
+    "sine 2": "sine 4, 2 Hz",
+}
 
 
 def _pool(values: Any) -> float:
@@ -160,8 +185,12 @@ def _bank(studies: list[dict[str, Any]]) -> str:
     worst = 0.0
     for study in studies:
         rows = {row[0]: [*row[2], *row[3]] for row in study["rows"]}
-        small = [rows["calibration + KF, innovations on motion"], rows["two-state KF, innovations, then calibration"],
-                 rows["calibration + KF, truth on motion"], rows["two-state KF, truth, then calibration"]]
+        small = [
+            rows["calibration + KF, innovations on motion"],
+            rows["two-state KF, innovations, then calibration"],
+            rows["calibration + KF, truth on motion"],
+            rows["two-state KF, truth, then calibration"],
+        ]
         bank = rows["IMM bank, innovations, then calibration"]
         worst = max(worst, *(b / min(s) for b, s in zip(bank, zip(*small, strict=True), strict=True)))
     return f"IMM bank over the best small filter tuned on motion, worst of all motions and units (jumps included): {worst:.2f}."
@@ -184,8 +213,14 @@ def _staircase(path: Path, table: dict[str, Any]) -> None:
 
     x = table["staircase_input"]
     draw(
-        path, "What the published network answers", "true rate, deg/s", "corrected rate, deg/s",
-        [Line("a perfect sensor", x, x, "#999999"), Line("published 1-10-1 network", x, table["staircase_output"], "#c0392b")],
+        path,
+        "What the published network answers",
+        "true rate, deg/s",
+        "corrected rate, deg/s",
+        [
+            Line("a perfect sensor", x, x, "#999999"),
+            Line("published 1-10-1 network", x, table["staircase_output"], "#c0392b"),
+        ],
     )
 
 
@@ -196,12 +231,19 @@ def _motions(path: Path, studies: list[dict[str, Any]]) -> None:
     motions, jumps = _native.rate_table_motions()
     x = np.arange(float(len(motions) + len(jumps)))
     colours = {
-        "raw": "#999999", "published network": "#c0392b", "calibration + KF, innovations on motion": "#2980b9",
-        "two-state KF, innovations, then calibration": "#8e44ad", "IMM bank, innovations, then calibration": "#27ae60",
+        "raw": "#999999",
+        "published network": "#c0392b",
+        "calibration + KF, innovations on motion": "#2980b9",
+        "two-state KF, innovations, then calibration": "#8e44ad",
+        "IMM bank, innovations, then calibration": "#27ae60",
     }
     rows = {row[0]: np.array([*row[2], *row[3]]) for row in studies[0]["rows"]}
     draw(
-        path, "RMS error on held-out motion, unit 1", "", "deg/s",
+        path,
+        "RMS error on held-out motion, unit 1",
+        "",
+        "deg/s",
         [Line(name, x, rows[name], colour) for name, colour in colours.items() if name in rows],
-        ticks=[*motions, *jumps], logarithmic=True,
+        ticks=[*motions, *jumps],
+        logarithmic=True,
     )

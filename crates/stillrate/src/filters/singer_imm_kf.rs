@@ -323,6 +323,9 @@ impl<T: Real> SingerImmKf<T> {
         }
         let started = ORDINARY || state.started != T::ZERO;
         let begins = checked.present && (!started || checked.restart);
+        let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
+        let begins = checked.present && (state.started == T::ZERO || checked.restart);
         let start = self.start();
         let models: [Gaussian2<T>; 2] = core::array::from_fn(|i| {
             let (old, new) = (&state.model[i], &start.model[i]);
