@@ -41,10 +41,13 @@ def render(model: ErrorModel, source: str) -> str:
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
         f'<meta name="viewport" content="width=device-width, initial-scale=1"><style>{_STYLE}</style></head><body>',
         f"<h1>{title}</h1>",
-        f"<p>Chosen: <b>{html.escape(model.kind)}</b>, {model.low_dps:g} .. {model.high_dps:g} deg/s, {model.rates} distinct rates. "
-        f"Systematic error {score.raw_dps:.3g} deg/s RMS uncorrected, <b>{score.corrected_dps:.3g}</b> at rates left out of the fit. "
+        f"<p>Chosen: <b>{html.escape(model.kind)}</b>, {model.low_dps:g} .. {model.high_dps:g} "
+        f"deg/s, {model.rates} distinct rates. "
+        f"Systematic error {score.raw_dps:.3g} deg/s RMS uncorrected, "
+        f"<b>{score.corrected_dps:.3g}</b> at rates left out of the fit. "
         f"Steepest slope {model.steepest_slope():.3g} (limit {model.slope_limit:g}).</p>",
-        "<p>Outside the calibrated range the value at the edge is held and flagged. The figures are about the systematic error; "
+        "<p>Outside the calibrated range the value at the edge is held and flagged. The figures "
+        "are about the systematic error; "
         "noise and slow drift are a filter's business.</p>",
     ]
     if model.calibration is not None:
@@ -95,7 +98,8 @@ def _candidates(model: ErrorModel, points: Calibration) -> str:
         note = found.refused or ("chosen" if chosen else "")
         inner = "".join(f"<td>{cell}</td>" for cell in cells)
         rows.append(
-            f'<tr class="{"chosen" if chosen else ""}"><td>{html.escape(found.name)}</td>{inner}<td>{html.escape(note)}</td></tr>'
+            f"<tr "
+            f'class="{"chosen" if chosen else ""}"><td>{html.escape(found.name)}</td>{inner}<td>{html.escape(note)}</td></tr>'
         )
     return (
         '<h2>Candidates</h2><div class="scroll"><table><tr><th>curve</th><th>left-out rates, deg/s RMS</th>'
