@@ -203,7 +203,9 @@ def _bank(studies: list[dict[str, Any]]) -> str:
         ]
         bank = rows["IMM bank, innovations, then calibration"]
         worst = max(worst, *(b / min(s) for b, s in zip(bank, zip(*small, strict=True), strict=True)))
-    return f"IMM bank over the best small filter tuned on motion, worst of all motions and units (jumps included): {worst:.2f}."
+    return (
+        f"IMM bank over the best small filter tuned on motion, worst motion of all units, jumps included: {worst:.2f}."
+    )
 
 
 def _tuning(studies: list[dict[str, Any]]) -> str:
