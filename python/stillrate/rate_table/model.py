@@ -165,7 +165,10 @@ class ErrorModel:
         return self._map("error", rate_dps, temperature_c)[0]
 
     def correct(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> Floats:
-        """Return measured rates less their error; NaN stays NaN. Filter first: the error is best taken at the filtered rate."""
+        """Return measured rates less their error; NaN stays NaN.
+
+        Filter first: the error is best taken at the filtered rate.
+        """
         return self._map("correct", rate_dps, temperature_c)[0]
 
     def outside(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> npt.NDArray[np.bool_]:
@@ -290,16 +293,16 @@ def fit(
 ) -> ErrorModel:
     """Fit the error of a gyro over its rate from a rate-table log.
 
-    The true rate (never the noisy measured one) is the regressor; offset, line, polynomials and small networks compete by
-    predicting rates left out of the fit.
+    The true rate (never the noisy measured one) is the regressor; offset, line, polynomials and small networks compete
+    by predicting rates left out of the fit.
 
     Parameters
     ----------
     rate_dps : array_like, shape (n,)
         Measured rate; NaN where missing.
     true_dps : array_like, shape (n,) or (rates,)
-        True rate at each sample; or the rates the table was set to, with `sample_rate_hz`: the segments are then found in
-        the log. A true rate that never stands still (an encoder) is averaged in cells.
+        True rate at each sample; or the rates the table was set to, with `sample_rate_hz`: the segments are then found
+        in the log. A true rate that never stands still (an encoder) is averaged in cells.
     temperature_c : array_like, shape (n,), optional
         Temperature at each sample; becomes an input. Give it if the unit drifts with temperature.
     segments : sequence of (first, end), optional

@@ -1,4 +1,4 @@
-"""One interface to the optimisers: Brent (one dimension), quantum-behaved particle swarm, scipy's differential evolution."""
+"""One interface to the optimisers: Brent, quantum-behaved particle swarm, scipy's differential evolution."""
 
 from __future__ import annotations
 
