@@ -95,5 +95,7 @@ def _step(path: Path, time: npt.NDArray[np.float64] | None) -> float | None:
     wrong = np.flatnonzero(~(abs(steps - step) <= _JITTER * step))
     if step <= 0 or len(wrong):
         at = int(wrong[0]) + 1 if len(wrong) else 1
-        raise LogError(f"{path}: row {at + 1}: t_s is not regular (a step of {steps[at - 1]:.6g} s among steps of {step:.6g} s)")
+        raise LogError(
+            f"{path}: row {at + 1}: t_s is not regular (a step of {steps[at - 1]:.6g} s among steps of {step:.6g} s)"
+        )
     return step

@@ -36,7 +36,12 @@ def render(found: Calibration, source: str, method: str) -> str:
     title = f"Gimbal calibration of {source}"
     sigma = found.details["sigma_m_s2"]
     lead = f"Method {method}; noise of one sample {sigma:.3g} m/s²; {_tests(found)}"
-    body = [f"<h1>{html.escape(title)}</h1><p>{html.escape(lead)}</p>", _flags(found), "<h2>Coefficients</h2>", _table(found)]
+    body = [
+        f"<h1>{html.escape(title)}</h1><p>{html.escape(lead)}</p>",
+        _flags(found),
+        "<h2>Coefficients</h2>",
+        _table(found),
+    ]
     if len(found.history.time_s) > 1:
         body += ["<h2>How each grew</h2><p>Line: estimate less its last value. Band: two standard deviations, where the method keeps "
                  "them. The vertical scale is set by the second half of the run.</p>", _pictures(found)]  # fmt: skip
@@ -94,7 +99,9 @@ def _table(found: Calibration) -> str:
 
 
 def _weakest(found: Calibration) -> str:
-    rows = "".join(f"<tr><td>{value:.4g}</td><td class='text'>{html.escape(words)}</td></tr>" for value, words in found.weakest)
+    rows = "".join(
+        f"<tr><td>{value:.4g}</td><td class='text'>{html.escape(words)}</td></tr>" for value, words in found.weakest
+    )
     return f"<p>Singular value: prior deviations over noise; below 2 the run says nothing.</p><table>{rows}</table>"
 
 
@@ -121,7 +128,9 @@ def _picture(found: Calibration, index: int, factor: float) -> str:
     x_of = 300.0 * t / t[-1]
 
     def place(values: object) -> str:
-        return " ".join(f"{a:.1f},{60 - 55 * max(-1.0, min(1.0, b / top)):.1f}" for a, b in zip(x_of, values, strict=True))  # type: ignore[call-overload]
+        return " ".join(
+            f"{a:.1f},{60 - 55 * max(-1.0, min(1.0, b / top)):.1f}" for a, b in zip(x_of, values, strict=True)
+        )  # type: ignore[call-overload]
 
     band = f"{place(s)} {' '.join(reversed(place(-s).split()))}"
     return (

@@ -34,7 +34,19 @@ CASES = {
     "(3) scattered": ("scattered", 1e-6),
     "(4) 100x noise": ("zero", 1e-4),
 }
-COLUMNS = ("case", "method", "other %", "max", "kappa %", "max", "t(1 %) s", "t(0.2 %) s", "t(0.05 %) s", "error/bound", "NEES/n")
+COLUMNS = (
+    "case",
+    "method",
+    "other %",
+    "max",
+    "kappa %",
+    "max",
+    "t(1 %) s",
+    "t(0.2 %) s",
+    "t(0.05 %) s",
+    "error/bound",
+    "NEES/n",
+)
 
 
 @dataclass(frozen=True)
@@ -191,7 +203,11 @@ def _claims(lines: list[Summary], large: list[Summary], spread: float, draws: in
             f"ten times larger: {big.settled} of {draws}, worst {big.other_max:.2g} %, kappa aside",
             best.settled == draws,
         ),
-        Claim("insensitive to the start", f"recursive Gauss-Newton: starts differ by {spread:.2g} sigma at most", spread < 0.02),
+        Claim(
+            "insensitive to the start",
+            f"recursive Gauss-Newton: starts differ by {spread:.2g} sigma at most",
+            spread < 0.02,
+        ),
         Claim(
             "two loops are faster than one",
             f"1 % after {loops.settling_s[0]:.0f} s (two-stage) against {best.settling_s[0]:.0f} s (joint)",
