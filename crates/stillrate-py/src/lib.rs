@@ -14,6 +14,7 @@ mod inspect;
 mod logs;
 mod rate_table;
 mod servo;
+mod servo_objects;
 
 /// The compiled half of the Python package.
 #[pymodule]

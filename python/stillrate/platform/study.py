@@ -12,6 +12,7 @@ from stillrate.platform.tuning import (
     VALIDATION_SEEDS,
     Family,
     Row,
+    describe_links,
     families,
     integration_error,
     tilt_table,
@@ -23,6 +24,8 @@ FIXED_CONTROLLER = Controller(kappa=0.17, ko_per_s=0.3, kvi_per_s=74.0, kd_s=0.6
 """The controller that every filter gets in the test with the controller fixed."""
 TILTS_DEG = (20.0, 15.0, 10.0, 5.0)
 TILT_S = 0.4
+DESCRIBED_HZ = 3.0
+AMPLITUDES_DPS = (0.05, 0.3, 2.0, 60.0)
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,8 @@ class Study:
     setup: Setup
     results: tuple[Result, ...]
     fixed: tuple[tuple[str, Row], ...]
+    describing: tuple[tuple[str, tuple[tuple[float, float], ...]], ...] = ()
+    """Gain and phase of each filter at `AMPLITUDES_DPS`."""
     runs: tuple[tuple[str, Run], ...] = ()
     recorded: tuple[tuple[str, Run], ...] = ()
     notes: tuple[str, ...] = field(default=())
@@ -152,6 +157,18 @@ def fixed_test(setup: Setup, *, seeds: Sequence[int] = VALIDATION_SEEDS) -> list
     """Measure every filter with the same controller."""
     return [
         (family.name, validate(family, FIXED_CONTROLLER, setup=setup, seeds=seeds, margin_seeds=1))
+        for family in fixed_families(setup)
+    ]
+
+
+def describing_test(setup: Setup) -> list[tuple[str, tuple[tuple[float, float], ...]]]:
+    """Measure every filter's describing function: what it passes depends on how much there is."""
+    sigma = setup.noise.density_dps_sqrt_hz * setup.sample_rate_hz**0.5
+    return [
+        (
+            family.name,
+            tuple(describe_links(family.links(), setup.sample_rate_hz, DESCRIBED_HZ, AMPLITUDES_DPS, sigma)),
+        )
         for family in fixed_families(setup)
     ]
 

@@ -42,7 +42,7 @@ NOT_REPRODUCED = (
     "MS-IMM-IKF behind Singer at +15 deg (3.78 against 3.59): inside the paper's own scatter",
 )
 UNKNOWN = (
-    "PID, delay, spindle lead and tilt time are not in the paper; the jitter budget of 0.05 % is ours, chosen because raw "
+    "PID, delay, spindle lead and tilt time are not in the paper; the jitter budget of 0.05 % is ours, chosen as raw "
     "lands near 5 deg there: only the ordering is a result."
 )
 
