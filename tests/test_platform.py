@@ -206,3 +206,30 @@ def test_the_command_line_refuses_wrong_usage(capsys: pytest.CaptureFixture[str]
     ):
         assert main(["platform", *arguments]) == 2, arguments
         assert text in capsys.readouterr().err
+
+
+def test_every_shipped_design_is_quiet_again_after_a_tilt_and_levels() -> None:
+    from stillrate.platform.shipped import SHIPPED
+
+    assert SHIPPED
+    for design in SHIPPED:
+        setup = pf.Setup(sample_rate_hz=design.sample_rate_hz)
+        family = pf.families(setup)[design.family]
+        # Seeds of this test's own; rest jitter is heavy-tailed for a filter that opens by itself, so eight of them.
+        row = pf.validate(
+            family, design.controller, design.parameters, setup=setup, seeds=range(31, 39), margin_seeds=0
+        )
+        name = f"{design.family} at {design.budget_percent} %"
+        assert row.jitter_percent < 2.0 * row.undisturbed_percent, name
+        # 0.125 deg of it is the gyro's bias over the 25 s; the rest is angle random walk and stiction.
+        assert row.levelling_deg[0] < 0.25, name
+
+
+def test_with_the_controller_fixed_the_bank_changes_the_jitter_and_not_the_residual() -> None:
+    from stillrate.platform.study import fixed_test
+
+    found = dict(fixed_test(pf.Setup(), seeds=range(41, 47)))
+    raw, bank = found["none"], found["ms-imm-ikf"]
+    assert bank.rms_deg[0] == pytest.approx(raw.rms_deg[0], rel=0.02)
+    assert bank.max_deg[0] == pytest.approx(raw.max_deg[0], rel=0.02)
+    assert raw.jitter_percent >= 8.0 * bank.jitter_percent

@@ -38,6 +38,8 @@ class Design:
     parameters: tuple[float, ...] = ()
     sample_rate_hz: float = 50.0
     feasible: bool = True
+    evaluations: int = 0
+    """Search effort that found it; compare only designs of like effort closely."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,7 @@ def tune_all(
 ) -> list[Design]:
     """Tune families with one effort (population, generations, restarts)."""
     known = families(setup)
+    evaluations = effort[0] * (effort[1] + 1) * effort[2]
     designs = []
     for name in names:
         found = tune(
@@ -87,7 +90,15 @@ def tune_all(
             progress=lambda done, name=name: progress(name, done),  # type: ignore[misc]
         )
         designs.append(
-            Design(name, budget_percent, found.controller, found.parameters, setup.sample_rate_hz, found.feasible)
+            Design(
+                name,
+                budget_percent,
+                found.controller,
+                found.parameters,
+                setup.sample_rate_hz,
+                found.feasible,
+                evaluations,
+            )
         )
     return designs
 

@@ -8,6 +8,9 @@ use super::measure;
 use super::trial::{Bench, Design, Trial};
 use crate::settings_map::SettingsError;
 
+/// Rest after a motion whose integral is judged.
+const SETTLE_S: f64 = 5.0;
+
 /// Mean and extremes over seeds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
@@ -148,7 +151,7 @@ pub fn tilt_table(
 }
 
 /// Error that integrating the filter's output adds to integrating the raw rate, deg: root mean square over seeds of the difference after `duration_s` of
-/// `rate_dps(t)` plus white noise.
+/// `rate_dps(t)` plus white noise and then 5 s of rest, in which a filter's lag runs out: what is left is lasting.
 ///
 /// # Errors
 /// Settings that cannot be used.
@@ -168,8 +171,10 @@ pub fn integration_error_deg(
             let mut filter = family.build(parameters)?;
             let mut random = crate::random::Random::new(*seed, 1);
             let mut added = 0.0;
-            for k in 0..(duration_s * bench.sample_rate_hz) as usize {
-                let y = rate_dps(k as f64 * period) + sigma * random.normal();
+            for k in 0..((duration_s + SETTLE_S) * bench.sample_rate_hz) as usize {
+                let t = k as f64 * period;
+                let moving = if t < duration_s { rate_dps(t) } else { 0.0 };
+                let y = moving + sigma * random.normal();
                 added += period * (filter.step(y) - y);
             }
             Ok(added * added)
