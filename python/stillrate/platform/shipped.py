@@ -3,7 +3,8 @@
 Their figures are measured anew by ``stillrate platform`` on seeds that no tuner saw. Search effort stands beside each:
 at 50 Hz the adaptive rivals (one-euro, the bank) had two searches each, the others one, whose restarts agreed closely.
 For one-euro the better search by its own objective is kept; for the bank the second, because the first had a gain
-margin of 1.5 on one of six validation seeds.
+margin of 1.5 on one of six validation seeds. At 0.02 % the searches for the fixed Kalman filter and for Singer-IMM
+ended at designs that do not level (1.5 and 0.6 deg): they are left out.
 """
 
 from __future__ import annotations
@@ -36,9 +37,7 @@ SHIPPED: tuple[Design, ...] = (
     _design("none", 0.02, (0.0355, 0.3069, 143.07, 0.000798), (), 50.0, 1200),
     _design("pt1", 0.02, (0.6632, 0.3439, 1.61, 5.2e-05), (1.33981,), 50.0, 1200),
     _design("biquad", 0.02, (0.8754, 1.4256, 1.42, 0.011975), (1.38253,), 50.0, 1200),
-    _design("kalman-5.3hz", 0.02, (0.2895, 0.3361, 1.02, 7e-06), (), 50.0, 1200),
     _design("one-euro", 0.02, (0.929, 0.3539, 34.35, 0.001164), (0.0743017, 0.0743863), 50.0, 3432),
-    _design("singer-imm-kf", 0.02, (0.543, 0.353, 1.12, 0.002868), (2.14547, 32.2288), 50.0, 1200),
     _design("ms-imm-ikf+pt1", 0.02, (1.3632, 0.33299, 35.56, 0.010761), (1.51263,), 50.0, 3432),
     _design("pt1", 0.1, (0.91699, 0.30167, 39.413, 0.0024072), (1.61311,), 200.0, 1008),
     _design("biquad", 0.1, (3.8194, 3.5052, 1.4913, 0.01259), (1.02509,), 200.0, 1008),

@@ -185,13 +185,13 @@ pub fn integration_error_deg(
 
 /// What a user should know before running: a base that the drive cannot follow, an angle beyond the range, an unstable loop.
 ///
-/// The number that shows it is in the text. `filter` is the loop's filter where it is linear, [`Discrete::None`](super::discrete::Discrete::None)
-/// for an adaptive one (which is the raw loop when it opens).
+/// The number that shows it is in the text. `filter` is what
+/// [`linear_equivalent`](super::loop_filter::linear_equivalent) makes of the loop's filter.
 #[must_use]
 pub fn warnings(
     axis: &super::platform::Platform,
     base: &super::base::Base,
-    filter: &super::discrete::Discrete,
+    (filter, whole): &(super::discrete::Discrete, bool),
     range_deg: f64,
 ) -> Vec<String> {
     const DEGREES: f64 = 180.0 / core::f64::consts::PI;
@@ -211,7 +211,11 @@ pub fn warnings(
     let radius = super::linear::LinearLoop::new(axis, filter).spectral_radius();
     // One eigenvalue is 1 by nature: an angle that comes from a gyro alone has no absolute reference.
     if radius > 1.0 + 1e-6 {
-        found.push(format!("the loop is unstable: its linearised spectral radius is {radius:.4} (must be below 1)"));
+        found.push(if *whole {
+            format!("the loop is unstable: its linearised spectral radius is {radius:.4} (must be at most 1)")
+        } else {
+            format!("with its filter fully open the loop would be unstable (linearised spectral radius {radius:.4}): watch its rest after a tilt")
+        });
     }
     found
 }
