@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from reference import replay
 
 FOLDER = Path(__file__).parent / "reference" / "filters"

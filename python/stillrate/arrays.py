@@ -37,3 +37,19 @@ def as_samples(values: Any) -> npt.NDArray[Any]:
     if any(stride < 0 for stride in array.strides):
         array = np.ascontiguousarray(array)
     return np.asarray(array)
+
+
+def as_column(values: Any) -> npt.NDArray[np.float64]:
+    """Return one channel as a contiguous ``float64`` array of shape (n,); masked samples become NaN.
+
+    Raises
+    ------
+    ValueError
+        If there is more than one channel.
+    """
+    array = as_samples(values)
+    if array.ndim == 2:
+        if array.shape[1] != 1:
+            raise ValueError(f"samples have {array.shape[1]} channels (take one at a time: z[:, k])")
+        array = array[:, 0]
+    return np.ascontiguousarray(array, dtype=np.float64)

@@ -15,10 +15,11 @@ import numpy.typing as npt
 
 from stillrate import __version__
 from stillrate._native import Filter
+from stillrate.arrays import as_samples
 from stillrate.config import Config, methods
 from stillrate.errors import ConfigError, LogError
 from stillrate.io.log import Log
-from stillrate.noise import GyroNoise
+from stillrate.noise import GyroNoise, noise_from_log
 from stillrate.results import Flags
 
 DEFAULT_METHOD = "ms-imm-ikf"
@@ -111,11 +112,28 @@ def settings_for(
         near = difflib.get_close_matches(name, known, n=1)
         hint = f": did you mean {near[0]!r}?" if near else f" (one of {', '.join(sorted(known))})"
         raise ConfigError(f"no method {name!r}{hint}")
-    found = {}
-    for index, channel in enumerate(log.channels):
-        noise = GyroNoise.from_log(log.rate_dps[:, index], sample_rate_hz=rate)
-        found[channel] = known[name](sample_rate_hz=rate, noise=noise)
-    return found, []
+    noise, notes = noise_of(log)
+    return {channel: known[name](sample_rate_hz=rate, noise=figures) for channel, figures in noise.items()}, notes
+
+
+def noise_of(log: Log) -> tuple[dict[str, GyroNoise], list[str]]:
+    """Measure each channel's noise; one that never rests gets the figures of those that do, if any does."""
+    found = noise_from_log(log.rate_dps, log.sample_rate_hz)
+    shared = GyroNoise.from_log(log.rate_dps, sample_rate_hz=log.sample_rate_hz)
+    resting = any(not figures.motion_dominated for figures in found)
+    noise, notes = {}, []
+    for channel, figures in zip(log.channels, found, strict=True):
+        if figures.motion_dominated and resting:
+            noise[channel] = shared
+            notes.append(f"{channel}: hardly ever at rest, the noise is that of the other channels")
+            continue
+        noise[channel] = GyroNoise(
+            density_dps_sqrt_hz=figures.density_dps_sqrt_hz,
+            rate_random_walk_dps_sqrt_s=figures.rate_random_walk_dps_sqrt_s,
+        )
+        if figures.motion_dominated:
+            notes.append(f"{channel}: motion dominates, its noise is an upper bound ({figures.reason})")
+    return noise, notes
 
 
 def clean(
@@ -192,3 +210,53 @@ def _count(flags: npt.NDArray[np.uint32], counts: dict[str, int]) -> None:
             found = int(np.count_nonzero(flags & flag.value))
             if found:
                 counts[flag.name] = counts.get(flag.name, 0) + found
+
+
+def denoise(samples: Any, *, sample_rate_hz: float, method: str | None = None, dt_s: Any = None) -> npt.NDArray[Any]:
+    """Filter samples with noise figures taken from the samples themselves.
+
+    Parameters
+    ----------
+    samples : array_like, shape (n,) or (n, channels)
+        Rates in deg/s; NaN or masked where missing.
+    sample_rate_hz : float
+        Nominal sample rate in Hz.
+    method : str, optional
+        Method by name; default "ms-imm-ikf".
+    dt_s : array_like, shape (n,), optional
+        Each sample's time step in s, where the rate is irregular.
+
+    Returns
+    -------
+    ndarray
+        Filtered rates, of the same shape.
+
+    Raises
+    ------
+    ConfigError
+        If the rate or the method cannot be used.
+    LogError
+        If there are too few samples to find the noise.
+
+    Examples
+    --------
+    >>> from stillrate import simulate
+    >>> run = simulate.waves(50.0, 1)
+    >>> denoise(run.measured_dps, sample_rate_hz=50.0).shape
+    (9000,)
+    """
+    values = as_samples(samples)
+    columns = values.reshape(len(values), -1)
+    names = tuple(f"channel {index + 1}" for index in range(columns.shape[1]))
+    log = Log(
+        t_s=np.arange(len(columns)) / sample_rate_hz if sample_rate_hz else np.zeros(len(columns)),
+        rate_dps=columns,
+        channels=names,
+        sample_rate_hz=sample_rate_hz,
+    )
+    configs, _ = settings_for(log, method=method)
+    result = np.empty_like(columns)
+    for index, name in enumerate(names):
+        flt = Filter(configs[name], dtype=values.dtype)
+        result[:, index] = flt.run(np.ascontiguousarray(columns[:, index]), dt_s=dt_s)
+    return result.reshape(values.shape)

@@ -404,7 +404,9 @@ def score(
     return found
 
 
-def to_gauge(coefficients: npt.ArrayLike, gauge: Literal["accelerometer", "gyro"], *, head: Head | None = None) -> Floats:
+def to_gauge(
+    coefficients: npt.ArrayLike, gauge: Literal["accelerometer", "gyro"], *, head: Head | None = None
+) -> Floats:
     """Return the same head described in another gauge, exactly: the axes of all instruments are turned together."""
     values = np.asarray(coefficients, dtype=np.float64).tolist()
     return np.asarray(_native.gimbal_convert(values, gauge, (head or Head()).settings())[: len(values)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,3 +114,99 @@ class GyroNoise:
             bias_sigma_dps=bias_sigma_dps,
             bias_time_s=bias_time_s,
         )
+
+    @classmethod
+    def from_log(cls, z: Any, *, sample_rate_hz: float) -> GyroNoise:
+        """Measure the noise in a log; with several channels, the largest figures of those that were at rest.
+
+        See `noise_from_log` for what was measured, where, and whether motion dominates.
+
+        Raises
+        ------
+        LogError
+            If a channel holds fewer than 8 usable samples.
+        ConfigError
+            If the sample rate is out of range.
+
+        Examples
+        --------
+        >>> from stillrate import simulate
+        >>> noise = GyroNoise.from_log(simulate.static(50.0, 1).measured_dps, sample_rate_hz=50.0)
+        >>> bool(abs(noise.density_dps_sqrt_hz / 0.0151 - 1) < 0.1)
+        True
+        """
+        density, walk = _measure(z, sample_rate_hz)[1]
+        return cls(density_dps_sqrt_hz=density, rate_random_walk_dps_sqrt_s=walk)
+
+
+@dataclass(frozen=True)
+class NoiseFromLog:
+    """Noise figures measured in one channel of a log.
+
+    Attributes
+    ----------
+    density_dps_sqrt_hz, rate_random_walk_dps_sqrt_s : float
+        White density N and rate random walk K.
+    lsb_dps : float
+        Quantisation step seen in the values; 0 if none.
+    quiet : slice
+        Samples over which they were measured.
+    moving_fraction : float
+        Part of the log in which the rate scatters more than noise does.
+    motion_dominated : bool
+        Whether more than half of the log moves, or none of it is at rest.
+    reason : str
+        Where the figures came from, in words.
+    """
+
+    density_dps_sqrt_hz: float
+    rate_random_walk_dps_sqrt_s: float
+    lsb_dps: float
+    quiet: slice
+    moving_fraction: float
+    motion_dominated: bool
+    reason: str
+
+
+def noise_from_log(z: Any, sample_rate_hz: float) -> list[NoiseFromLog]:
+    """Measure the noise of every channel of a log, at rest or not.
+
+    Parameters
+    ----------
+    z : array_like, shape (n,) or (n, channels)
+        Samples in deg/s; NaN, infinite or masked ones are left out.
+    sample_rate_hz : float
+        Sample rate in Hz.
+
+    Returns
+    -------
+    list of NoiseFromLog
+        One a channel.
+
+    Raises
+    ------
+    LogError
+        If a channel holds fewer than 8 usable samples.
+    ConfigError
+        If the sample rate is out of range.
+
+    Examples
+    --------
+    >>> from stillrate import simulate
+    >>> found = noise_from_log(simulate.chirp(50.0, 1).measured_dps, 50.0)
+    >>> found[0].motion_dominated
+    True
+    """
+    return [
+        NoiseFromLog(**{**figures, "quiet": slice(*figures["quiet"])}) for figures in _measure(z, sample_rate_hz)[0]
+    ]
+
+
+def _measure(z: Any, sample_rate_hz: float) -> tuple[list[dict[str, Any]], tuple[float, float]]:
+    from stillrate import _native
+    from stillrate.arrays import as_column, as_samples
+
+    samples = as_samples(z)
+    columns = [samples] if samples.ndim == 1 else list(samples.T)
+    figures, shared = _native.noise_from_log([as_column(column) for column in columns], sample_rate_hz)
+    return figures, shared

@@ -86,7 +86,9 @@ def expected(document: dict[str, Any], data: Found) -> Found:
     found: Found = {}
     for case, entry in document["cases"].items():
         sigma = float(meta.get(f"sigma_raw_case{case}", meta["sigma_raw_case1"]))
-        samples = noisy if sigma == meta["sigma_raw_case1"] else clean + sigma / meta["sigma_raw_case1"] * (noisy - clean)
+        samples = (
+            noisy if sigma == meta["sigma_raw_case1"] else clean + sigma / meta["sigma_raw_case1"] * (noisy - clean)
+        )
         head = sr.gimbal.Head(
             gravity_m_s2=meta["g"],
             latitude_rad=meta["lat_rad"],

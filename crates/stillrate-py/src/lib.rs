@@ -5,6 +5,7 @@
 use pyo3::prelude::*;
 
 mod analysis;
+mod attitude;
 mod convert;
 mod drift;
 mod filter;
@@ -12,7 +13,9 @@ mod gimbal;
 mod gimbal_parts;
 mod inspect;
 mod logs;
+mod observability;
 mod rate_table;
+mod recursive;
 mod servo;
 mod servo_objects;
 
@@ -20,6 +23,7 @@ mod servo_objects;
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    attitude::register(module)?;
     filter::register(module)?;
     rate_table::register(module)?;
     gimbal::register(module)?;
@@ -28,5 +32,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     analysis::register(module)?;
     drift::register(module)?;
     servo::register(module)?;
+    observability::register(module)?;
+    recursive::register(module)?;
     Ok(())
 }

@@ -8,7 +8,7 @@
 
 use crate::filter::{Filter, Sample};
 use crate::real::Real;
-use crate::reals::Reals;
+use crate::reals::{Lane, Reals};
 
 /// Reads the state of channel `c` out of channel-minor storage (missing rows read as zero).
 ///
@@ -39,6 +39,29 @@ pub fn store<T: Real, S: Reals<T>, const W: usize>(state: &S, lanes: &mut [[T; W
     state.scatter(&mut |number| {
         if let Some(slot) = lanes.get_mut(row).and_then(|lane| lane.get_mut(c)) {
             *slot = number;
+        }
+        row += 1;
+    });
+}
+
+/// Reads the state of all `W` channels, side by side (missing rows read as zero).
+#[inline(always)]
+pub(crate) fn load_wide<T: Real, S: Reals<Lane<T, W>>, const W: usize>(lanes: &[[T; W]]) -> S {
+    let mut row = 0;
+    S::gather(&mut || {
+        let lane = Lane(lanes.get(row).copied().unwrap_or([T::ZERO; W]));
+        row += 1;
+        lane
+    })
+}
+
+/// Writes the state of all channels back (rows that do not exist are passed over).
+#[inline(always)]
+pub(crate) fn store_wide<T: Real, S: Reals<Lane<T, W>>, const W: usize>(state: &S, lanes: &mut [[T; W]]) {
+    let mut row = 0;
+    state.scatter(&mut |lane: Lane<T, W>| {
+        if let Some(slot) = lanes.get_mut(row) {
+            *slot = lane.0;
         }
         row += 1;
     });

@@ -58,7 +58,7 @@ impl Flags {
     pub const MISSING: Self = Self(1);
     /// No usable sample has been seen yet: the output is a finite placeholder.
     pub const NO_DATA_YET: Self = Self(1 << 1);
-    /// The time step was zero, negative or not finite: the sample was not used and no time passed.
+    /// The time step was zero (to [`SHORTEST_STEP`] of the nominal one), negative or not finite: the sample was not used and no time passed.
     pub const BAD_TIME: Self = Self(1 << 2);
     /// The gap before this sample was so long that the filter started anew from it.
     pub const RESTARTED: Self = Self(1 << 3);
@@ -171,6 +171,9 @@ pub trait Filter<T: Real>: Copy + Send + Sync {
 /// A gap longer than this (in seconds) says nothing about the motion before it: filters start anew.
 pub const LONGEST_GAP_S: f64 = 10.0;
 
+/// A time step below this share of the nominal one is a repeated time stamp with rounding errors: no time passed.
+pub const SHORTEST_STEP: f64 = 1e-6;
+
 /// A sample after the checks that every filter shares.
 #[derive(Clone, Copy, Debug)]
 pub struct Checked<T> {
@@ -188,6 +191,14 @@ pub struct Checked<T> {
     pub flags: Flags,
 }
 
+impl<T: Real> Checked<T> {
+    /// Whether (1) or not (0) something is known when this sample arrives: after so long a gap nothing is until there is a value.
+    #[inline(always)]
+    pub(crate) fn known(&self, started: T) -> T {
+        T::select(self.restart && !self.present, T::ZERO, started)
+    }
+}
+
 impl<T: Real> Sample<T> {
     /// Sorts out missing values, absurd values (`|value| > limit`) and unusable time steps.
     #[must_use]
@@ -195,7 +206,7 @@ impl<T: Real> Sample<T> {
     pub fn check(self, limit: T, nominal_dt: T) -> Checked<T> {
         let finite = self.value.finite();
         let inside = self.value.magnitude() <= limit;
-        let moves = self.dt.finite() && self.dt > T::ZERO;
+        let moves = self.dt.finite() && self.dt > nominal_dt * T::of(SHORTEST_STEP);
         let restart = moves && self.dt > T::of(LONGEST_GAP_S).most(nominal_dt * T::of(3.0));
         let present = finite && inside && moves;
         Checked {

@@ -230,7 +230,7 @@ pub(crate) fn mix3<T: Real>(w: T, a: &Gaussian3<T>, b: &Gaussian3<T>) -> Gaussia
 #[inline(always)]
 pub(crate) fn weigh2<T: Real>(prior: &[T; 2], exponent: &[T; 2], factor: &[T; 2], used: bool) -> [T; 2] {
     let difference = exponent[1] - exponent[0];
-    let lesser = (-difference.magnitude()).exponential();
+    let lesser = (-difference.magnitude()).decay();
     let first = prior[0] * factor[0] * T::select(difference > T::ZERO, lesser, T::ONE);
     let second = prior[1] * factor[1] * T::select(difference > T::ZERO, T::ONE, lesser);
     let inverse = T::ONE / (first + second);

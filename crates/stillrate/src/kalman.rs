@@ -117,6 +117,12 @@ fn weigh<T: Real>(predicted_rate: T, rate_variance: T, reading: &Reading<T>) -> 
     (evidence, move_by, shrink, T::ONE - rate_variance * shrink)
 }
 
+/// What a measurement leaves of a variance. Rounding may take all of it and more, but a variance never ends at or below zero.
+#[inline(always)]
+fn reduced<T: Real>(variance: T, by: T) -> T {
+    (variance - by).most(variance * T::EPSILON)
+}
+
 /// Updates rate and acceleration.
 #[inline(always)]
 pub(crate) fn update2<T: Real>(predicted: &Gaussian2<T>, reading: &Reading<T>) -> (Gaussian2<T>, Evidence<T>) {
@@ -125,7 +131,7 @@ pub(crate) fn update2<T: Real>(predicted: &Gaussian2<T>, reading: &Reading<T>) -
     let step = move_by * evidence.innovation;
     let moments = Gaussian2 {
         mean: [predicted.mean[0] + p00 * step, predicted.mean[1] + p01 * step],
-        covariance: [p00 * left, p01 * left, p11 - p01 * p01 * shrink],
+        covariance: [p00 * left, p01 * left, reduced(p11, p01 * p01 * shrink)],
     };
     (moments, evidence)
 }
@@ -144,12 +150,12 @@ pub(crate) fn update4<T: Real>(predicted: &Gaussian4<T>, reading: &Reading<T>) -
             p[1] * left,
             p[2] * left,
             p[3] * left,
-            p[4] - k1 * p[1],
+            reduced(p[4], k1 * p[1]),
             p[5] - k1 * p[2],
             p[6] - k1 * p[3],
-            p[7] - k2 * p[2],
+            reduced(p[7], k2 * p[2]),
             p[8] - k2 * p[3],
-            p[9] - k3 * p[3],
+            reduced(p[9], k3 * p[3]),
         ],
     };
     (moments, evidence)
@@ -172,7 +178,14 @@ pub(crate) fn update3<T: Real>(predicted: &Gaussian3<T>, reading: &Reading<T>) -
     let (k1, k2) = (p[1] * shrink, p[2] * shrink);
     let moments = Gaussian3 {
         mean: core::array::from_fn(|k| predicted.mean[k] + p[k] * step),
-        covariance: [p[0] * left, p[1] * left, p[2] * left, p[3] - k1 * p[1], p[4] - k1 * p[2], p[5] - k2 * p[2]],
+        covariance: [
+            p[0] * left,
+            p[1] * left,
+            p[2] * left,
+            reduced(p[3], k1 * p[1]),
+            p[4] - k1 * p[2],
+            reduced(p[5], k2 * p[2]),
+        ],
     };
     (moments, evidence)
 }

@@ -92,3 +92,11 @@ impl GyroNoise {
 /// Readings beyond this many standard deviations of the noise are no rates at all: a 2000 deg/s sensor of
 /// 0.001 deg/s noise stays a hundred times below.
 pub const RANGE_SIGMAS: f64 = 2e8;
+
+/// The same for filters that are not told the noise: above twice the largest count of a 32-bit converter, in whatever unit.
+pub const RANGE: f64 = 1e10;
+
+/// Largest magnitude that counts as a reading where samples have this standard deviation; its square is a number.
+pub(crate) fn range<T: Real>(standard_deviation: f64) -> T {
+    T::of(RANGE_SIGMAS * standard_deviation).least(T::LARGEST.root())
+}

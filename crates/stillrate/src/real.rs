@@ -103,6 +103,8 @@ pub trait Real:
     fn root(self) -> Self;
     /// e^x.
     fn exponential(self) -> Self;
+    /// e^x for x <= 0, fast, for weights; see [`elementary`](crate::elementary).
+    fn decay(self) -> Self;
     /// e^x - 1, accurate near zero.
     fn exponential_less_one(self) -> Self;
     /// Natural logarithm.
@@ -150,6 +152,10 @@ macro_rules! real {
             #[inline(always)]
             fn exponential(self) -> Self {
                 elementary::$module::exponential(self)
+            }
+            #[inline(always)]
+            fn decay(self) -> Self {
+                elementary::$module::decay(self)
             }
             #[inline(always)]
             fn exponential_less_one(self) -> Self {

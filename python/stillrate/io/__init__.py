@@ -31,6 +31,13 @@ _FORMATS: Mapping[str, str] = {
     ".parquet": "parquet",
     ".pq": "parquet",
     ".npz": "npz",
+    ".ulg": "ulog",
+    ".mcap": "rosbag",
+    ".bag": "rosbag",
+    ".db3": "rosbag",
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".mat": "matlab",
 }
 _WRITABLE = ("delimited", "parquet", "npz")
 
@@ -146,6 +153,10 @@ def to_table(log: Log, *, flat: bool) -> Table:
 
 
 def _format(path: Path) -> Any:
+    if (path / "metadata.yaml").is_file():
+        return importlib.import_module("stillrate.io.rosbag")
+    if path.is_dir():
+        raise LogError("is a folder, and no ROS 2 bag")
     suffix = path.suffix.lower()
     if suffix not in _FORMATS:
         raise LogError(f"no reader for {suffix or 'a file without ending'} (one of {', '.join(_FORMATS)})")

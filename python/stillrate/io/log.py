@@ -144,7 +144,8 @@ class Log:
         found = _native.analyse_timebase(t_s)
         rate = float(self.sample_rate_hz)
         if not (np.isfinite(rate) and rate > 0):
-            rate = float(found["sample_rate_hz"])
+            # Nine digits: what is beyond them is the rounding of the stamps.
+            rate = float(f"{found['sample_rate_hz']:.9g}")
         if not (np.isfinite(rate) and rate > 0):
             raise LogError("the time stamps give no sample rate: say it (--rate HZ)")
         timing = Timing(

@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from stillrate.errors import LogError
-from stillrate.io.safely import MAX_BYTES, atomic, within_bounds
+from stillrate.io.arrays import to_table
+from stillrate.io.safely import MAX_BYTES, atomic, first_line, within_bounds
 from stillrate.io.table import Table
 
 SUFFIXES = (".npz",)
@@ -38,14 +39,10 @@ def read(path: Path) -> Table:
         MemoryError,
         NotImplementedError,
     ) as error:
-        raise LogError(f"not a readable npz file ({_first_line(error)})") from None
+        raise LogError(f"not a readable npz file ({first_line(error)})") from None
     except Exception as error:  # zlib.error and struct.error of damaged members have no common base
-        raise LogError(f"damaged npz file ({_first_line(error)})") from None
+        raise LogError(f"damaged npz file ({first_line(error)})") from None
     return _table(arrays)
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error) or type(error).__name__).splitlines()[0][:120]
 
 
 def _table(arrays: dict[str, npt.NDArray[Any]]) -> Table:
@@ -56,27 +53,7 @@ def _table(arrays: dict[str, npt.NDArray[Any]]) -> Table:
             meta = found if isinstance(found, dict) else {}
         except ValueError:
             pass
-    lengths = [len(values) for values in arrays.values() if values.ndim > 0]
-    if not lengths:
-        raise LogError("no array with samples in it")
-    rows = max(set(lengths), key=lambda length: (lengths.count(length), length))
-    columns: dict[str, npt.NDArray[Any]] = {}
-    extras: dict[str, Any] = {}
-    for name, values in arrays.items():
-        if values.ndim == 2 and len(values) == rows and values.shape[1] == 3 and _is_rate(name):
-            columns.update({f"{name}_{axis}": values[:, index] for index, axis in enumerate("xyz")})
-        elif values.ndim > 0 and len(values) == rows:
-            columns[name] = values
-        else:
-            extras[name] = values
-    return Table(columns, meta, extras)
-
-
-def _is_rate(name: str) -> bool:
-    from stillrate.io.names import gyro_axis, rate_unit
-
-    stem, _ = rate_unit(name)
-    return gyro_axis(f"{stem}_x") is not None
+    return to_table(arrays, meta)
 
 
 def write(path: Path, table: Table, *, force: bool) -> None:

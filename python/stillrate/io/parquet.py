@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stillrate.errors import LogError
-from stillrate.io.safely import atomic, needs, within_bounds
+from stillrate.io.safely import atomic, first_line, needs, within_bounds
 from stillrate.io.table import Table
 
 SUFFIXES = (".parquet", ".pq")
@@ -25,7 +25,7 @@ def read(path: Path) -> Table:
         metadata = polars.read_parquet_metadata(path)
         frame = polars.read_parquet(path)
     except Exception as error:  # polars' compute errors, and panics of its Parquet decoder on damaged pages
-        raise LogError(f"not a readable Parquet file ({_first_line(error)})") from None
+        raise LogError(f"not a readable Parquet file ({first_line(error)})") from None
     except BaseException as error:
         if type(error).__name__ != "PanicException":
             raise
@@ -37,10 +37,6 @@ def read(path: Path) -> Table:
     except ValueError:
         pass
     return Table({name: _column(frame[name]) for name in frame.columns}, meta)
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error) or type(error).__name__).splitlines()[0][:120]
 
 
 def _column(series: Any) -> Any:

@@ -25,6 +25,19 @@ def within_bounds(path: Path) -> None:
         raise LogError(f"{size / 1e9:.1f} GB, the limit is {MAX_BYTES / 1e9:.0f} GB")
 
 
+def first_line(error: BaseException) -> str:
+    """Return what a library said, in one short line."""
+    return ((str(error) or type(error).__name__).splitlines() or [""])[0][:120]
+
+
+def refuse_zeros_at_end(path: Path) -> None:
+    """Raise LogError if a file ends in zeros, as one that was never finished does."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - 4096))
+        if not any(file.read(4096)):
+            raise LogError("ends in zeros: the file is half-written")
+
+
 def needs(module: str, extra: str, what: str) -> Any:
     """Import an optional library, or say how to get it."""
     try:

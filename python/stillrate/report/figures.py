@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from stillrate import _native
+from stillrate.allan_deviation import allan
 from stillrate.cleaning import Cleaned
+from stillrate.errors import LogError
 from stillrate.io.log import Floats, Log
 from stillrate.report.packing import plain
 
@@ -93,7 +95,12 @@ def spectra(raw: Floats, clean: Floats, log: Log) -> dict[str, Any] | None:
 
 def allan_curves(raw: Floats, clean: Floats, log: Log) -> dict[str, Any] | None:
     """Return averaging times in s and both Allan deviations in deg/s."""
-    return None
+    try:
+        before = allan(raw, log.sample_rate_hz, taus="dense")
+        after = allan(clean, log.sample_rate_hz, taus="dense")
+    except LogError:
+        return None
+    return {"x": plain(before.tau_s), "raw": plain(before.deviation), "clean": plain(after.deviation)}
 
 
 def remarks(done: Cleaned) -> list[str]:

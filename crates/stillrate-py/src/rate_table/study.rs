@@ -16,6 +16,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(rate_table_unit, module)?)?;
     module.add_function(wrap_pyfunction!(rate_table_record, module)?)?;
     module.add_function(wrap_pyfunction!(rate_table_calibration, module)?)?;
+    module.add_function(wrap_pyfunction!(rate_table_published, module)?)?;
     module.add_function(wrap_pyfunction!(rate_table_table3, module)?)?;
     module.add_function(wrap_pyfunction!(rate_table_study, module)?)
 }
@@ -57,6 +58,13 @@ type Pair<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 fn rate_table_calibration(py: Python<'_>, unit: u64, seed: u64, rates: usize, seconds: f64) -> Pair<'_> {
     let (truth, measured) = calibration(&unit_of(unit), rates, seconds, &mut Random::new(seed, 78));
     (PyArray1::from_vec(py, truth), PyArray1::from_vec(py, measured))
+}
+
+/// True and measured rates of the six records like the published ones.
+#[pyfunction]
+fn rate_table_published(py: Python<'_>, unit: u64, seed: u64) -> Vec<Pair<'_>> {
+    let records = stillrate_lab::rate_table::published::records(&unit_of(unit), seed);
+    records.into_iter().map(|(w, y)| (PyArray1::from_vec(py, w), PyArray1::from_vec(py, y))).collect()
 }
 
 /// The layout of the published table: [(method, [mse], [mae])] and the network's curve over a grid: (rate, output, error slope).

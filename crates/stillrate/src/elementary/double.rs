@@ -14,6 +14,7 @@ impl Format for f64 {
     const LN_2_HIGH: Self = 0.69314718055989033;
     const LN_2_LOW: Self = 5.4979230187083712e-14;
     const EXPONENTIAL_LOW: Self = -746.0;
+    const DECAY_LOW: Self = -700.0;
     const EXPONENTIAL_HIGH: Self = 710.0;
     const NEGLIGIBLE: Self = 44.0;
 
@@ -124,6 +125,16 @@ pub fn root(x: f64) -> f64 {
 #[inline(always)]
 pub fn exponential(x: f64) -> f64 {
     exponentials::exponential(x)
+}
+
+/// e^x for x <= 0, as used for weights: not below about the smallest normal number, NaN reads as that.
+///
+/// ```
+/// assert!((stillrate::elementary::double::decay(-1.0) * core::f64::consts::E - 1.0).abs() < 4.0 * f64::EPSILON);
+/// ```
+#[inline(always)]
+pub fn decay(x: f64) -> f64 {
+    exponentials::decay(x)
 }
 
 /// e^x - 1, accurate near zero.

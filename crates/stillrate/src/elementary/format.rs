@@ -23,6 +23,8 @@ pub(super) trait Format: Real {
     const LN_2_LOW: Self;
     /// Below it e^x is zero.
     const EXPONENTIAL_LOW: Self;
+    /// Below it 2^k alone would leave the normal numbers.
+    const DECAY_LOW: Self;
     /// Above it e^x is infinite.
     const EXPONENTIAL_HIGH: Self;
     /// From here downwards e^x - 1 is -1, and upwards of its magnitude tanh is 1.

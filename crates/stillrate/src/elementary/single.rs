@@ -14,6 +14,7 @@ impl Format for f32 {
     const LN_2_HIGH: Self = 0.693145752;
     const LN_2_LOW: Self = 1.42860677e-6;
     const EXPONENTIAL_LOW: Self = -104.0;
+    const DECAY_LOW: Self = -86.0;
     const EXPONENTIAL_HIGH: Self = 89.0;
     const NEGLIGIBLE: Self = 20.0;
 
@@ -71,6 +72,16 @@ pub fn root(x: f32) -> f32 {
 #[inline(always)]
 pub fn exponential(x: f32) -> f32 {
     exponentials::exponential(x)
+}
+
+/// e^x for x <= 0, as used for weights: not below about the smallest normal number, NaN reads as that.
+///
+/// ```
+/// assert!((stillrate::elementary::single::decay(-1.0) * core::f32::consts::E - 1.0).abs() < 4.0 * f32::EPSILON);
+/// ```
+#[inline(always)]
+pub fn decay(x: f32) -> f32 {
+    exponentials::decay(x)
 }
 
 /// e^x - 1, accurate near zero.

@@ -9,7 +9,7 @@
 
 use crate::error::{ConfigError, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, range};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
@@ -159,7 +159,7 @@ impl<T: Real> ArKf<T> {
             coefficients,
             drive: T::of(process / measurement),
             unit: T::of(unit),
-            limit: T::LARGEST.root().root() * T::of(unit).least(T::ONE),
+            limit: range(unit),
         })
     }
 
@@ -245,6 +245,7 @@ impl<T: Real> Filter<T> for ArKf<T> {
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut ArKfState<T>, sample: Sample<T>, _observer: &mut O) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
         let value = checked.value / self.unit;
         // The time step is the same for every channel, so this loop does not part them.
         let mut predicted = self.predict(state);

@@ -8,7 +8,7 @@
 
 use crate::error::{ConfigError, between, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, RANGE};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
@@ -115,7 +115,7 @@ impl<T: Real> Biquad<T> {
             half_corner_rad_s: T::of(half_corner),
             damping: T::of(1.0 / quality),
             gains: gains(half_corner * period, 1.0 / quality).map(T::of),
-            limit: T::LARGEST.root().root(),
+            limit: T::of(RANGE),
         })
     }
 }
@@ -134,6 +134,7 @@ impl<T: Real> Filter<T> for Biquad<T> {
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut BiquadState<T>, sample: Sample<T>, _observer: &mut O) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
         // The same for every channel, so the compiler takes the branch out of the loop over channels.
         let [a1, a2, a3] = if checked.dt == self.period_s {
             self.gains

@@ -8,7 +8,7 @@ use crate::error::{ConfigError, not_negative, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::memory::{Memory, check_memory, tau_of, visit_memory};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, range};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -72,7 +72,7 @@ impl Settings for CusumForgettingSettings {
             samples_kept: T::of(samples_kept),
             sigma: T::of(variance.root()),
             sample_variance: T::of(variance),
-            limit: T::LARGEST.root(),
+            limit: range(variance.root()),
         })
     }
 }

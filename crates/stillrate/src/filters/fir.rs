@@ -12,7 +12,7 @@ use core::f64::consts::{PI, TAU};
 
 use crate::error::{ConfigError, between, not_negative, positive};
 use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, range};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -87,7 +87,7 @@ impl Settings for FirLowPassSettings {
             rows: T::of(count.div_ceil(LANES) as f64),
             from_zero: T::select(self.start == 1, T::ONE, T::ZERO),
             variance: T::of(variance * taps.iter().map(|tap| tap * tap).sum::<f64>()),
-            limit: T::LARGEST.root(),
+            limit: range(variance.root()),
         })
     }
 }
@@ -229,6 +229,7 @@ impl<T: Real> Filter<T> for FirLowPass<T> {
         observer: &mut O,
     ) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
         let innovation = T::select(checked.present, checked.value - state.output, T::of(f64::NAN));
         let value = T::select(checked.present, checked.value, state.output);
         let fresh = checked.present && (state.started == T::ZERO || checked.restart);

@@ -13,7 +13,7 @@ use crate::filter::{Checked, Estimate, Filter, Observer, Sample};
 use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::line::LineState;
 use crate::filters::recursive::memory::{Memory, check_memory, factor_of, visit_memory};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, range};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -72,7 +72,7 @@ impl Settings for RecursiveLeastSquaresSettings {
                 loss: T::of(1.0 - factor),
                 tau_s: T::of(self.tau_s).least(T::LARGEST),
                 sample_variance: T::of(noise.sample_variance(rate)),
-                limit: T::LARGEST.root(),
+                limit: range(noise.sample_variance(rate).root()),
             },
             order: if second { T::TWO } else { T::ONE },
         })

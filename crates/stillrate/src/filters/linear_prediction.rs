@@ -10,7 +10,7 @@
 
 use crate::error::{ConfigError, between, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, range};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -110,7 +110,7 @@ impl<T: Real> LinearPrediction<T> {
             period_s: T::of(1.0 / rate),
             step_size: T::of(between("step_size", settings.step_size, 0.0, 2.0, "", "above 0 and below 2")?),
             unit: T::of(unit),
-            limit: T::LARGEST.root().root() * T::of(unit).least(T::ONE),
+            limit: range(unit),
         })
     }
 }
@@ -165,6 +165,7 @@ impl<T: Real> Filter<T> for LinearPrediction<T> {
         _observer: &mut O,
     ) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
         let value = checked.value / self.unit;
         let mut sound = state.output.finite();
         for (&number, &weight) in state.history.iter().zip(&state.weights) {

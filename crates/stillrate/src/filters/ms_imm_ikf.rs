@@ -9,7 +9,7 @@
 //! and the prior variances have memories of their own, and rest has a longer dwell time than motion.
 
 use crate::adaptive::manoeuvre_frequency::{FrequencyMemory, MotionMoments};
-use crate::filter::{Checked, Estimate, Filter, Flags, Observer, Sample};
+use crate::filter::{Checked, Estimate, Filter, Flags, LONGEST_GAP_S, Observer, Sample};
 use crate::gaussian::{Gaussian2, Gaussian4};
 use crate::models::SingerCoefficients;
 use crate::models::oscillator::OscillatorStep;
@@ -145,6 +145,8 @@ reals! {
         pub renew_in: T,
         /// Step length they were made for, in periods.
         pub made_for: T,
+        /// Periods since the last sample that was used.
+        pub silent: T,
     }
 }
 
@@ -216,6 +218,7 @@ impl<T: Real> MsImmIkf<T> {
             },
             renew_in: zero,
             made_for: zero,
+            silent: zero,
         }
     }
 
@@ -247,7 +250,7 @@ impl<T: Real> MsImmIkf<T> {
         dt: T,
         observer: &mut O,
     ) -> [Estimate<T>; W] {
-        let checked: [Checked<T>; W] =
+        let mut checked: [Checked<T>; W] =
             core::array::from_fn(|c| Sample { value: z[c], dt }.check(self.limit, self.period_s));
         let restart = checked[0].restart;
         if restart {
@@ -258,6 +261,15 @@ impl<T: Real> MsImmIkf<T> {
         }
         let elapsed = T::select(dt == self.period_s || restart, T::ONE, dt / self.period_s);
         let pace = if elapsed == T::ONE { self.nominal } else { self.pace(elapsed) };
+        let longest = T::of(LONGEST_GAP_S).most(self.period_s * T::of(3.0)) / self.period_s;
+        let mut lapsed = false;
+        for c in 0..W {
+            s.silent.0[c] += elapsed;
+            lapsed |= s.silent.0[c] > longest;
+        }
+        if lapsed {
+            self.lapse(s, &mut checked, longest);
+        }
         for c in 0..W {
             if s.renew_in.0[c] <= T::ZERO || s.made_for.0[c] != elapsed {
                 self.renew(s, c, elapsed);
@@ -285,6 +297,19 @@ impl<T: Real> MsImmIkf<T> {
             acceleration: fused[1] / self.period_s,
             variance: fused[2],
             flags: flags.with(Flags::NO_DATA_YET.when(s.started.0[c] == T::ZERO)),
+        }
+    }
+
+    /// Forgets channels that have been silent for as long as the longest gap: coasting on would end in absurd numbers.
+    #[cold]
+    #[inline(never)]
+    fn lapse<const W: usize>(&self, s: &mut Wide<T, W>, checked: &mut [Checked<T>; W], longest: T) {
+        let fresh = self.start_wide::<W>();
+        for (c, checked) in checked.iter_mut().enumerate() {
+            if s.silent.0[c] > longest {
+                checked.flags = checked.flags.with(Flags::RESTARTED.when(s.started.0[c] != T::ZERO));
+                s.set_lane(c, fresh.lane(c));
+            }
         }
     }
 

@@ -11,6 +11,11 @@ use crate::kalman::{Evidence, Reading, predict_oscillator, predict_singer, updat
 use crate::real::Real;
 use crate::reals::{Lane, Lanes};
 
+/// In a longer dropout the bank's own prediction teaches it nothing more about the motion: an oscillator that learns its
+/// frequency from itself runs away exponentially. The longer of a time in seconds and a number of samples.
+const LONGEST_ECHO_S: f64 = 0.5;
+const LONGEST_ECHO_SAMPLES: f64 = 20.0;
+
 const MODELS: usize = 1 + RUNGS + OSCILLATORS;
 
 /// What every target of the mixing needs to know about the last posterior.
@@ -73,6 +78,9 @@ impl<T: Real> MsImmIkf<T> {
         }
         self.update(s, checked, &used, &mut weights);
         self.weigh(s, &used, &mut weights);
+        for c in 0..W {
+            s.silent.0[c] = T::select(used[c], T::ZERO, s.silent.0[c]);
+        }
         self.fuse_and_follow(s, pace);
         for c in 0..W {
             s.started.0[c] = T::select(checked[c].present, T::ONE, s.started.0[c]);
@@ -380,6 +388,7 @@ impl<T: Real> MsImmIkf<T> {
                 inner[2][c] += a;
             }
         }
+        let longest = (T::of(LONGEST_ECHO_S) / self.period_s).most(T::of(LONGEST_ECHO_SAMPLES));
         let spread = |mu: T, x: T, p: T, mean: T| mu * (p + (x - mean) * (x - mean));
         let mut variance = [T::ZERO; W];
         for c in 0..W {
@@ -403,8 +412,8 @@ impl<T: Real> MsImmIkf<T> {
             s.fused.set_lane(c, [rate[c], acceleration[c], variance[c]]);
             let inverse = T::ONE / inner[0][c];
             let motion = s.motion.lane(c);
-            s.motion
-                .set_lane(c, motion.follow(&self.memory, inner[1][c] * inverse, inner[2][c] * inverse, pace.elapsed));
+            let followed = motion.follow(&self.memory, inner[1][c] * inverse, inner[2][c] * inverse, pace.elapsed);
+            s.motion.set_lane(c, if s.silent.0[c] > longest { motion } else { followed });
         }
     }
 

@@ -232,6 +232,7 @@ impl<T: Real> Filter<T> for MsImmIkfPaper<T> {
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut Self::State, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
         let mut flags = checked.flags;
         let mut next = *state;
         if checked.present && (state.started == T::ZERO || checked.restart) {
@@ -244,7 +245,8 @@ impl<T: Real> Filter<T> for MsImmIkfPaper<T> {
             let mut traces = self.cycle(&mut next, checked.value, checked.present, dt);
             fused = mix3(next.probability[0], &next.model[0], &next.model[1]);
             let finite = fused.mean.iter().chain(&fused.covariance).all(|number| number.finite());
-            if !finite {
+            let sound = finite && fused.covariance[0] >= T::ZERO;
+            if !sound {
                 // The best that is left is the sample itself, or the last rate where there is none.
                 let last = mix3(state.probability[0], &state.model[0], &state.model[1]).mean[0];
                 next = self.start_at(T::select(checked.present, checked.value, last));

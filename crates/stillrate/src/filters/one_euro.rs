@@ -6,7 +6,7 @@
 
 use crate::error::{ConfigError, not_negative, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, RANGE};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
@@ -109,7 +109,7 @@ impl<T: Real> OneEuro<T> {
             minimum_corner_rad_s: T::of(turn * positive("minimum_cutoff_hz", minimum_cutoff_hz, "Hz")?),
             corner_per_speed: T::of(turn * not_negative("beta", beta, "")?),
             derivative_corner_rad_s: T::of(turn * positive("derivative_cutoff_hz", derivative_cutoff_hz, "Hz")?),
-            limit: T::LARGEST.root().root(),
+            limit: T::of(RANGE),
         })
     }
 }
@@ -141,7 +141,8 @@ impl<T: Real> Filter<T> for OneEuro<T> {
         _observer: &mut O,
     ) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
-        let since = state.since + T::select(checked.moves, checked.dt, T::ZERO);
+        state.started = checked.known(state.started);
+        let since = (state.since + T::select(checked.moves, checked.dt, T::ZERO)).least(T::LARGEST.root());
         let steepest = self.limit * self.limit;
         let raw_slope = ((checked.value - state.raw) / since.most(T::TINY)).limited(-steepest, steepest);
         let slope = state.slope + gain(self.derivative_corner_rad_s, since) * (raw_slope - state.slope);

@@ -5,7 +5,7 @@
 
 use crate::error::{ConfigError, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, RANGE};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
@@ -81,12 +81,7 @@ impl<T: Real> Pt1<T> {
         let period = 1.0 / positive("sample_rate_hz", sample_rate_hz, "Hz")?;
         let corner = core::f64::consts::TAU * positive("cutoff_hz", cutoff_hz, "Hz")?;
         let x = T::of(corner) * T::of(period);
-        Ok(Self {
-            period_s: T::of(period),
-            gain: x / (T::ONE + x),
-            corner_rad_s: T::of(corner),
-            limit: T::LARGEST.root(),
-        })
+        Ok(Self { period_s: T::of(period), gain: x / (T::ONE + x), corner_rad_s: T::of(corner), limit: T::of(RANGE) })
     }
 }
 
@@ -104,6 +99,7 @@ impl<T: Real> Filter<T> for Pt1<T> {
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut Pt1State<T>, sample: Sample<T>, _observer: &mut O) -> Estimate<T> {
         let sample_ok = sample.check(self.limit, self.period_s);
+        state.started = sample_ok.known(state.started);
         let x = self.corner_rad_s * sample_ok.dt;
         let gain = T::select(sample_ok.dt == self.period_s, self.gain, x / (T::ONE + x));
         let fresh = state.started == T::ZERO || sample_ok.restart;

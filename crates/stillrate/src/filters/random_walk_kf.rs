@@ -10,7 +10,7 @@
 use crate::error::{ConfigError, not_negative, positive};
 use crate::filter::{Estimate, Filter, Observer, Sample};
 use crate::filters::recursive::level::{LevelState, Seen};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, range};
 use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
 
@@ -48,7 +48,7 @@ impl Settings for RandomWalkKfSettings {
             period_s: T::of(1.0 / rate),
             variance_ratio: T::of(not_negative("variance_ratio", self.variance_ratio, "")?).least(T::LARGEST.root()),
             sample_variance: T::of(noise.sample_variance(rate)),
-            limit: T::LARGEST.root(),
+            limit: range(noise.sample_variance(rate).root()),
         })
     }
 }
@@ -93,7 +93,9 @@ impl<T: Real> Filter<T> for RandomWalkKf<T> {
         let checked = sample.check(self.limit, self.period_s);
         // The walk's variance grows with time.
         let periods = if checked.dt == self.period_s { T::ONE } else { checked.dt / self.period_s };
-        let walked = T::select(checked.moves, self.variance_ratio * periods, T::ZERO) * state.weight;
+        // After an endless gap the walk is as good as infinite, but its share of the sum below must stay a number.
+        let walk = T::select(checked.moves, self.variance_ratio * periods, T::ZERO);
+        let walked = (walk * state.weight).least(T::LARGEST.root());
         let loss = walked / (T::ONE + walked);
         let innovation = checked.value - state.level;
         let before = (T::ONE + walked) / state.weight;

@@ -12,7 +12,7 @@
 use crate::error::{ConfigError, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::models::SingerCoefficients;
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, range};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -134,7 +134,7 @@ impl<T: Real> SageHusaKf<T> {
             forgotten: T::of(-(-period / memory).exponential_less_one()),
             memory_s: T::of(memory),
             unit: T::of(density / period.root()),
-            limit: T::LARGEST.root().root() * T::of(density / period.root()).least(T::ONE),
+            limit: range(density / period.root()),
         })
     }
 }
@@ -166,6 +166,7 @@ impl<T: Real> Filter<T> for SageHusaKf<T> {
         _observer: &mut O,
     ) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
         let value = checked.value / self.unit;
         // The same for every channel, so the compiler takes the branch out of the loop over channels.
         let (model, forgotten) = if checked.dt == self.period_s {

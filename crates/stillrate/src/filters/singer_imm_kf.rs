@@ -3,8 +3,9 @@
 //! The defaults are those that reproduce the published static figures: alpha .001 and .01 /s, largest acceleration 1.5
 //! and 30 deg/s^2, sigma_m^2 = A_max^2 / 3, probability of staying .95 a sample.
 
+use crate::block;
 use crate::error::{ConfigError, positive};
-use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
+use crate::filter::{Checked, Estimate, Filter, Flags, LONGEST_GAP_S, ModelTrace, Observer, Sample};
 use crate::gaussian::Gaussian2;
 use crate::imm::{interact, mix2, weigh2};
 use crate::kalman::{Reading, predict_singer, update2};
@@ -12,6 +13,7 @@ use crate::models::SingerCoefficients;
 use crate::noise::{GyroNoise, RANGE_SIGMAS};
 use crate::real::Real;
 use crate::reals;
+use crate::reals::{Lane, Lanes};
 use crate::settings::{Settings, Visit, visit_noise};
 
 /// Settings of [`SingerImmKf`]: two of everything, rest first.
@@ -233,7 +235,96 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
 
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut Self::State, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
+        let tempo = self.tempo(sample.dt);
+        if tempo.ordinary && self.ordinary(state.started, sample.value) {
+            self.advance::<true, O>(state, sample, &tempo, observer)
+        } else {
+            self.advance::<false, O>(state, sample, &tempo, observer)
+        }
+    }
+
+    #[inline(always)]
+    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        let tempo = self.tempo(dt);
+        let mut state: SingerImmKfState<Lane<T, W>> = block::load_wide(lanes);
+        for row in tile {
+            let mut ordinary = tempo.ordinary;
+            for c in 0..W {
+                ordinary &= self.ordinary(state.started.0[c], row[c]);
+            }
+            if ordinary {
+                self.row::<true, W>(&mut state, row, dt, &tempo);
+            } else {
+                self.row::<false, W>(&mut state, row, dt, &tempo);
+            }
+        }
+        block::store_wide(&state, lanes);
+    }
+}
+
+/// What follows from the length of a step alone: the same for every channel.
+#[derive(Clone, Copy)]
+struct Tempo<T> {
+    /// Coefficients of both models.
+    step: [SingerCoefficients<T>; 2],
+    /// Whether time moves by a usable step.
+    ordinary: bool,
+}
+
+impl<T: Real> SingerImmKf<T> {
+    #[inline(always)]
+    fn tempo(&self, dt: T) -> Tempo<T> {
+        if dt == self.period_s {
+            return Tempo { step: [self.model[0].step, self.model[1].step], ordinary: dt <= T::of(LONGEST_GAP_S) };
+        }
+        let checked = Sample { value: T::ZERO, dt }.check(self.limit, self.period_s);
+        let dt = T::select(checked.restart, self.period_s, checked.dt);
+        Tempo {
+            step: self.model.map(|model| SingerCoefficients::new(model.alpha, dt)),
+            ordinary: checked.moves && !checked.restart,
+        }
+    }
+
+    /// Whether nothing needs care: the filter runs and the sample is usable.
+    #[inline(always)]
+    fn ordinary(&self, started: T, value: T) -> bool {
+        (started != T::ZERO) & (value.magnitude() <= self.limit)
+    }
+
+    #[inline(always)]
+    fn row<const ORDINARY: bool, const W: usize>(
+        &self,
+        state: &mut SingerImmKfState<Lane<T, W>>,
+        row: &mut [T; W],
+        dt: T,
+        tempo: &Tempo<T>,
+    ) {
+        for c in 0..W {
+            let mut one = state.lane(c);
+            row[c] = self.advance::<ORDINARY, ()>(&mut one, Sample { value: row[c], dt }, tempo, &mut ()).rate;
+            state.set_lane(c, one);
+        }
+    }
+
+    /// One sample; free of branches, so that a loop over channels becomes vector instructions. `ORDINARY` promises
+    /// that nothing needs care: every select is then decided at compile time.
+    #[inline(always)]
+    fn advance<const ORDINARY: bool, O: Observer<T>>(
+        &self,
+        state: &mut SingerImmKfState<T>,
+        sample: Sample<T>,
+        tempo: &Tempo<T>,
+        observer: &mut O,
+    ) -> Estimate<T> {
+        let mut checked = sample.check(self.limit, self.period_s);
+        if ORDINARY {
+            let Sample { value, dt } = sample;
+            checked = Checked { value, present: true, moves: true, dt, restart: false, flags: Flags::NONE };
+        }
+        let started = ORDINARY || state.started != T::ZERO;
+        let begins = checked.present && (!started || checked.restart);
         let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
         let begins = checked.present && (state.started == T::ZERO || checked.restart);
         let start = self.start();
         let models: [Gaussian2<T>; 2] = core::array::from_fn(|i| {
@@ -245,7 +336,6 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
         });
         let probability: [T; 2] =
             core::array::from_fn(|i| T::select(begins, start.probability[i], state.probability[i]));
-        let dt = T::select(checked.restart, self.period_s, checked.dt);
         let (prior, weight) = interact(&self.transition, &probability);
         let mut next = models;
         let (mut exponent, mut factor) = ([T::ZERO; 2], [T::ONE; 2]);
@@ -253,8 +343,7 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
         for i in 0..2 {
             let model = &self.model[i];
             let mixed = mix2(weight[i], &models[0], &models[1]);
-            let step = if dt == self.period_s { model.step } else { SingerCoefficients::new(model.alpha, dt) };
-            let predicted = predict_singer(&mixed, &step, model.intensity);
+            let predicted = predict_singer(&mixed, &tempo.step[i], model.intensity);
             let (updated, evidence) = update2(&predicted, &Reading::plain(checked.value, model.measurement_variance));
             next[i] = Gaussian2 {
                 mean: core::array::from_fn(|k| {
@@ -276,7 +365,7 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
             };
         }
         let posterior = weigh2(&prior, &exponent, &factor, checked.present);
-        let runs = checked.moves && (begins || state.started != T::ZERO);
+        let runs = checked.moves && (begins || started);
         for i in 0..2 {
             let (new, old) = (&next[i], state.model[i]);
             state.model[i] = Gaussian2 {
@@ -293,7 +382,7 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
             rate: fused.mean[0],
             acceleration: fused.mean[1],
             variance: fused.covariance[0],
-            flags: checked.flags.with(Flags::NO_DATA_YET.when(state.started == T::ZERO)),
+            flags: checked.flags.with(Flags::NO_DATA_YET.when(!started && !begins)),
         }
     }
 }

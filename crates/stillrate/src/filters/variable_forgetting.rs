@@ -14,7 +14,7 @@ use crate::filters::hmm_rls::{RecursiveLeastSquaresState, check_order};
 use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::line::LineState;
 use crate::filters::recursive::memory::{check_factor, tau_of};
-use crate::noise::GyroNoise;
+use crate::noise::{GyroNoise, range};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -122,7 +122,7 @@ impl Settings for VariableForgettingSettings {
             sigma: T::of(variance.root()),
             sample_variance: T::of(variance),
             quiet_tau_s: T::of(tau_of(most, rate)).least(T::LARGEST),
-            limit: T::LARGEST.root(),
+            limit: range(variance.root()),
         })
     }
 }

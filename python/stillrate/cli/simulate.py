@@ -1,0 +1,80 @@
+"""``stillrate simulate``: a gyro log of which the truth is known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from stillrate.cli.options import Force, refuse_taken
+from stillrate.cli.problems import UsageError
+
+
+def command(
+    bed: Literal["static", "waves", "rough-waves", "steps", "chirp"] = "waves",
+    /,
+    *,
+    output: Annotated[Path, Parameter(name=["--output", "-o"])],
+    rate: float = 50.0,
+    seed: int = 1,
+    channels: int = 1,
+    duration: float | None = None,
+    density: float | None = None,
+    lsb: float = 0.0,
+    saturation: float = float("inf"),
+    missing: float = 0.0,
+    force: Force = False,
+) -> int:
+    """Write a simulated gyro log: what the gyro reads and, beside it, the truth.
+
+    Parameters
+    ----------
+    bed
+        The motion: static, waves, rough-waves, steps or chirp.
+    output
+        Where the log goes; the name's ending says in which format.
+    rate
+        Sample rate in Hz.
+    seed
+        Seed; each further channel takes the next one.
+    channels
+        Number of axes, 1 to 3.
+    duration
+        Length in s; default that of the bed.
+    density
+        Two-sided density of the white noise in deg/s/sqrt(Hz).
+    lsb
+        Quantisation step in deg/s.
+    saturation
+        Full scale in deg/s.
+    missing
+        Probability that a sample is missing.
+    """
+    import dataclasses
+
+    import numpy as np
+
+    from stillrate import io, simulate
+
+    if output.suffix.lower() not in io.writable():
+        raise UsageError(f"{output}: cannot write {output.suffix or 'it'} (endings: {', '.join(io.writable())})")
+    if not 1 <= channels <= 3:
+        raise UsageError(f"--channels {channels} (must be 1, 2 or 3)")
+    if seed < 0:
+        raise UsageError(f"--seed {seed} (must be >= 0)")
+    refuse_taken([output], force=force)
+    gyro = simulate.GyroModel(lsb_dps=lsb, saturation_dps=saturation, missing_probability=missing)
+    if density is not None:
+        gyro = dataclasses.replace(gyro, density_dps_sqrt_hz=density)
+    beds = [simulate.bed(bed, rate, seed + axis, duration_s=duration, noise=gyro) for axis in range(channels)]
+    log = io.Log(
+        t_s=beds[0].t_s,
+        rate_dps=np.column_stack([run.measured_dps for run in beds]),
+        channels=tuple(f"g{axis}_dps" for axis in "xyz"[:channels]),
+        sample_rate_hz=rate,
+        columns={f"g{axis}_true_dps": run.truth_dps for axis, run in zip("xyz", beds, strict=False)},
+        meta={"simulated": {"bed": bed, "seed": seed, "sample_rate_hz": rate, "gyro": str(gyro)}},
+    )
+    io.write(output, log, force=force)
+    return 0

@@ -1,0 +1,90 @@
+"""One line from a raw array to a clean one."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stillrate._native import Filter
+from stillrate.arrays import as_samples
+from stillrate.config import config_from_settings
+from stillrate.noise import GyroNoise, noise_from_log
+
+
+class MotionDominated(UserWarning):
+    """Most of the signal is motion: the noise figures are an upper bound, the filter can take out little."""
+
+
+def denoise(
+    samples: Any,
+    *,
+    sample_rate_hz: float,
+    method: str = "ms-imm-ikf",
+    noise: GyroNoise | None = None,
+    dt_s: Any = None,
+) -> npt.NDArray[Any]:
+    """Clean a gyro signal; without `noise`, each channel's noise is estimated from the signal itself.
+
+    Parameters
+    ----------
+    samples : array_like, shape (n,) or (n, channels)
+        Rates in deg/s; NaN, infinite or masked samples are missing.
+    sample_rate_hz : float
+        Nominal sample rate in Hz.
+    method : str, optional
+        Name of a method, see `stillrate.config.methods`.
+    noise : GyroNoise, optional
+        The noise of all channels, where it is known.
+    dt_s : float or array_like, optional
+        Time steps in s, where samples are irregular.
+
+    Returns
+    -------
+    ndarray
+        Same shape as `samples`, n in, n out.
+
+    Warns
+    -----
+    MotionDominated
+        If a channel hardly ever rests.
+
+    Raises
+    ------
+    LogError
+        If the noise cannot be estimated (fewer than 8 usable samples).
+    ConfigError
+        If the method is unknown or a setting out of range.
+
+    Examples
+    --------
+    >>> from stillrate import simulate
+    >>> bed = simulate.static(50.0, 1)
+    >>> clean = denoise(bed.measured_dps, sample_rate_hz=50.0)
+    >>> float(clean.std()) < 0.2 * float(bed.measured_dps.std())
+    True
+    """
+    array = as_samples(samples)
+    columns = array[:, None] if array.ndim == 1 else array
+    clean = np.empty_like(columns)
+    figures = None if noise is not None else noise_from_log(columns, sample_rate_hz)
+    for channel in range(columns.shape[1]):
+        if figures is not None:
+            found = figures[channel]
+            noise = GyroNoise(
+                density_dps_sqrt_hz=found.density_dps_sqrt_hz,
+                rate_random_walk_dps_sqrt_s=found.rate_random_walk_dps_sqrt_s,
+            )
+            if found.motion_dominated:
+                warnings.warn(f"channel {channel}: {found.reason}", MotionDominated, stacklevel=2)
+        assert noise is not None
+        settings = {
+            "sample_rate_hz": sample_rate_hz,
+            "noise.density_dps_sqrt_hz": noise.density_dps_sqrt_hz,
+            "noise.rate_random_walk_dps_sqrt_s": noise.rate_random_walk_dps_sqrt_s,
+        }
+        config = config_from_settings(method, settings)
+        clean[:, channel] = Filter(config, dtype=str(array.dtype)).run(columns[:, channel], dt_s=dt_s)
+    return clean.reshape(array.shape)
