@@ -79,6 +79,13 @@ class _Effect(TypedDict):
     after: float
     removed: float
 
+class _Flight(TypedDict):
+    firmware: str
+    time_us: npt.NDArray[np.int64]
+    names: list[str]
+    columns: list[_Floats]
+
+def read_blackbox(bytes: bytes) -> tuple[list[_Flight], list[str]]: ...
 def read_delimited(path: str | Path) -> _Delimited: ...
 def write_delimited(
     path: str | Path,

@@ -32,6 +32,8 @@ _FORMATS: Mapping[str, str] = {
     ".pq": "parquet",
     ".npz": "npz",
     ".ulg": "ulog",
+    ".bbl": "blackbox",
+    ".bfl": "blackbox",
     ".mcap": "rosbag",
     ".bag": "rosbag",
     ".db3": "rosbag",
