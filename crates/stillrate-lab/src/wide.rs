@@ -57,7 +57,7 @@ wide!(f32, 16, Single);
 wide!(f64, 8, Double);
 
 /// Runs `states.len() <= W` channels, starting with channel `first`, over a table into sample-major `output`.
-/// Idle lanes see missing samples.
+/// Idle lanes repeat the first channel, so that they never need more care than it.
 pub fn run_group<T: Real, F: Filter<T>, const W: usize>(
     filter: &F,
     states: &mut [F::State],
@@ -70,8 +70,7 @@ pub fn run_group<T: Real, F: Filter<T>, const W: usize>(
     let (total, channels) = source.shape();
     let mut lanes = vec![[T::ZERO; W]; <F::State as Reals<T>>::COUNT];
     for c in 0..W {
-        let state = if c < used { states[c] } else { filter.start() };
-        block::store(&state, &mut lanes, c);
+        block::store(&states[if c < used { c } else { 0 }], &mut lanes, c);
     }
     let mut tile = [[T::of(f64::NAN); W]; ROWS];
     let mut start = 0;
@@ -100,7 +99,7 @@ pub fn run_group<T: Real, F: Filter<T>, const W: usize>(
     }
 }
 
-/// Copies rows from `start` on into the tile: `used` channels from `first` on, missing samples in idle lanes.
+/// Copies rows from `start` on into the tile: `used` channels from `first` on, the first of them again in idle lanes.
 fn fill<T: Real, U: Real, const W: usize>(
     table: &Table<'_, U>,
     start: usize,
@@ -113,7 +112,8 @@ fn fill<T: Real, U: Real, const W: usize>(
         for (c, cell) in row[..used].iter_mut().enumerate() {
             *cell = T::of(table.items[base + c * table.channel_stride].widen());
         }
-        row[used..].fill(T::of(f64::NAN));
+        let repeated = row[0];
+        row[used..].fill(repeated);
     }
 }
 
