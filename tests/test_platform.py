@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 import stillrate as sr
 from reference import replay
 from stillrate import platform as pf

@@ -1,7 +1,7 @@
 """A gyro signal made still without being made late: denoise and calibrate inertial sensors."""
 
-from stillrate import gimbal
-from stillrate import platform
+from typing import TYPE_CHECKING, Any
+
 from stillrate._native import Filter, __version__
 from stillrate.config import Config, load_config
 from stillrate.errors import ConfigError, LogError
@@ -22,18 +22,48 @@ from stillrate.methods import (
     SingerKf,
     VariableForgetting,
 )
-from stillrate.noise import GyroNoise
-from stillrate import metrics, simulate
-from stillrate.allan_deviation import Allan, allan
-from stillrate.config import Config, MsImmIkf, MsImmIkfPaper, Pt1, SingerImmKf, SingerKf, load_config
 from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 from stillrate.results import Estimate, Flags, Trace
-from stillrate.singer import SingerCoefficients, singer_coefficients
+
+if TYPE_CHECKING:
+    from stillrate import attitude, closed_forms, gimbal, metrics, platform, rate_table, simulate
+    from stillrate.allan_deviation import Allan, allan
+    from stillrate.bias import ReferenceBias, reference_bias
+    from stillrate.cleaning import denoise
+    from stillrate.io import Log, read, write
+    from stillrate.observe import Observability, bench_imu, observability
+    from stillrate.singer import SingerCoefficients, singer_coefficients
+    from stillrate.vector_rls import VectorRls
+
+# What filtering does not need, by the module it lives in; a name that is its own module stands for the module.
+_LATER = {
+    "Allan": "allan_deviation",
+    "Log": "io",
+    "Observability": "observe",
+    "ReferenceBias": "bias",
+    "SingerCoefficients": "singer",
+    "VectorRls": "vector_rls",
+    "allan": "allan_deviation",
+    "attitude": "attitude",
+    "bench_imu": "observe",
+    "closed_forms": "closed_forms",
+    "denoise": "cleaning",
+    "gimbal": "gimbal",
+    "metrics": "metrics",
+    "observability": "observe",
+    "platform": "platform",
+    "rate_table": "rate_table",
+    "read": "io",
+    "reference_bias": "bias",
+    "simulate": "simulate",
+    "singer_coefficients": "singer",
+    "write": "io",
+}
 
 __all__ = [
+    "Allan",
     "ArKf",
     "Biquad",
-    "Allan",
     "Config",
     "ConfigError",
     "CusumForgetting",
@@ -43,27 +73,59 @@ __all__ = [
     "Flags",
     "GyroNoise",
     "LinearPrediction",
+    "Log",
     "LogError",
     "MsImmIkf",
     "MsImmIkfPaper",
-    "OneEuro",
     "NoiseFromLog",
+    "Observability",
+    "OneEuro",
     "Pt1",
     "RandomWalkKf",
     "RecursiveLeastSquares",
+    "ReferenceBias",
     "SageHusaKf",
     "SingerCoefficients",
     "SingerImmKf",
     "SingerKf",
     "Trace",
     "VariableForgetting",
+    "VectorRls",
     "__version__",
+    "allan",
+    "attitude",
+    "bench_imu",
+    "closed_forms",
+    "denoise",
     "gimbal",
     "load_config",
-    "platform",
-    "allan",
     "metrics",
     "noise_from_log",
+    "observability",
+    "platform",
+    "rate_table",
+    "read",
+    "reference_bias",
     "simulate",
     "singer_coefficients",
+    "write",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is not needed for filtering when it is first asked for."""
+    if name not in _LATER:
+        import difflib
+
+        near = difflib.get_close_matches(name, __all__, n=1)
+        raise AttributeError(f"stillrate has no {name!r}" + (f": did you mean {near[0]!r}?" if near else ""))
+    import importlib
+
+    module = importlib.import_module(f"stillrate.{_LATER[name]}")
+    found = module if _LATER[name] == name else getattr(module, name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

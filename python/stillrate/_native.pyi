@@ -50,6 +50,9 @@ class Filter:
 
 def resolve(method: str, settings: _Settings) -> dict[str, Any]: ...
 def method_names() -> list[str]: ...
+def singer_coefficients(
+    alpha_per_s: float, dt_s: float, single: bool
+) -> tuple[float, float, float, float, float]: ...
 
 class _Delimited(TypedDict):
     names: list[str]
@@ -93,3 +96,196 @@ def analyse_timebase(t_s: _Floats) -> _Timebase: ...
 def time_steps(t_s: _Floats, sample_rate_hz: float) -> _Floats: ...
 def welch(samples: _Floats, sample_rate_hz: float, segment: int) -> tuple[_Floats, _Floats]: ...
 def filter_effect(raw: _Floats, filtered: _Floats, window: int) -> _Effect: ...
+
+@final
+class RateTableModel:
+    """A rate-table error curve over rates and temperatures."""
+
+    @staticmethod
+    def from_text(text: str) -> RateTableModel: ...
+    @staticmethod
+    def from_network(
+        inputs: int,
+        hidden: int,
+        linear: bool,
+        parameters: list[float],
+        input_scaling: list[tuple[float, float]],
+        output_scaling: tuple[float, float],
+    ) -> RateTableModel: ...
+    def to_text(self) -> str: ...
+    def with_sample_rate(self, sample_rate_hz: float) -> RateTableModel: ...
+    def error(self, rates: _Floats, temperatures: _Floats | None) -> tuple[_Floats, npt.NDArray[np.bool_]]: ...
+    def correct(self, rates: _Floats, temperatures: _Floats | None) -> tuple[_Floats, npt.NDArray[np.bool_]]: ...
+    def slope(self, rates: _Floats, temperatures: _Floats | None) -> tuple[_Floats, npt.NDArray[np.bool_]]: ...
+    def score(
+        self, measured: _Floats, truth: _Floats, temperatures: _Floats | None
+    ) -> tuple[float, float, float]: ...
+    def steepest(self) -> float: ...
+    def guard(self, limit: float) -> None: ...
+    def facts(self) -> dict[str, Any]: ...
+
+@final
+class NoiseObjective:
+    """Records and the objective over log10(Q/R)."""
+
+    def __new__(
+        cls,
+        measured: list[_Floats],
+        truth: list[_Floats] | None,
+        model: str,
+        criterion: str,
+        period_s: float,
+    ) -> NoiseObjective: ...
+    def moving(self) -> bool: ...
+    def range(self) -> tuple[float, float]: ...
+    def values(self, points: _Floats, dimensions: int) -> _Floats: ...
+    def finish(self, point: list[float], value: float, evaluations: int) -> dict[str, Any]: ...
+
+def network_evaluate(
+    inputs: int, hidden: int, linear: bool, parameters: _Floats, rows: _Floats
+) -> dict[str, _Floats]: ...
+def network_step(
+    inputs: int,
+    hidden: int,
+    linear: bool,
+    parameters: _Floats,
+    rows: _Floats,
+    targets: _Floats,
+    decay: float,
+    mask: _Floats | None,
+    damping: float,
+) -> dict[str, Any]: ...
+def network_train(
+    inputs: int,
+    hidden: int,
+    linear: bool,
+    rows: _Floats,
+    targets: _Floats,
+    decay: float,
+    epochs: int,
+    patience: int,
+    seed: int,
+) -> tuple[_Floats, int, list[float]]: ...
+def uniforms(seed: int, count: int) -> _Floats: ...
+def minimise_callable(
+    objective: Any, lower: list[float], upper: list[float], method: str, options: dict[str, Any], progress: Any
+) -> tuple[list[float], float, int]: ...
+def qpso_trace(
+    objective: Any, lower: list[float], upper: list[float], options: dict[str, Any], uniforms: list[float]
+) -> list[dict[str, Any]]: ...
+def kalman_random_walk(
+    measured: _Floats,
+    process_noise: float,
+    measurement_variance: float,
+    start_rate: float,
+    start_variance: float,
+) -> tuple[_Floats, _Floats, _Floats]: ...
+def kalman_score(
+    measured: _Floats,
+    process_noise: float,
+    measurement_variance: float,
+    start_rate: float,
+    start_variance: float,
+) -> tuple[float, float, float]: ...
+def kalman_track(measured: _Floats, model: str, log10_ratio: float, period_s: float) -> _Floats: ...
+def compare_rates(estimate: _Floats, truth: _Floats) -> tuple[float, float]: ...
+def tune_noise(
+    objective: NoiseObjective, method: str, options: dict[str, Any], separate: bool, progress: Any
+) -> dict[str, Any]: ...
+def tune_bank(objective: NoiseObjective, progress: Any) -> tuple[float, float, float, int]: ...
+def rate_table_fit(
+    measured: _Floats,
+    truth: _Floats,
+    temperature: _Floats | None,
+    segments: list[tuple[int, int]] | None,
+    candidates: list[str] | None,
+    slope_limit: float,
+    seed: int,
+) -> dict[str, Any]: ...
+def rate_table_fit_points(
+    rates: list[float],
+    errors: list[float],
+    standard_errors: list[float],
+    temperatures: list[float] | None,
+    candidates: list[str] | None,
+    slope_limit: float,
+    seed: int,
+) -> dict[str, Any]: ...
+def rate_table_plateaus(
+    measured: _Floats, rates: list[float], sample_rate_hz: float
+) -> list[tuple[int, int, float]]: ...
+def rate_table_motions() -> tuple[list[str], list[str]]: ...
+def rate_table_unit(seed: int) -> tuple[float, list[float], float, float]: ...
+def rate_table_record(truth: list[float], unit: int, seed: int, sample_rate_hz: float) -> _Floats: ...
+def rate_table_calibration(unit: int, seed: int, rates: int, seconds: float) -> tuple[_Floats, _Floats]: ...
+def rate_table_table3(unit: int, seed: int, epochs: int) -> dict[str, Any]: ...
+def rate_table_study(unit: int, seed: int, published_epochs: int) -> dict[str, Any]: ...
+_Polynomials = tuple[list[float], list[float]]
+_Chain = list[tuple[str, dict[str, float | str | list[float]]]]
+_Seeds = list[int]
+
+def servo_variance(
+    transfer: _Polynomials, time_s: float | None, band_rad_s: tuple[float, float] | None, algorithm: str
+) -> float: ...
+def servo_drift(
+    rate_loop: _Polynomials | None,
+    tracking: _Polynomials | None,
+    filter: _Polynomials | None,
+    position: str,
+    dead_time_s: float,
+    noise: tuple[float, float, float, float],
+    time_s: float | None,
+    band_rad_s: tuple[float, float] | None,
+) -> tuple[float, float, float, float]: ...
+def servo_plant(name: str, design: object | None = None) -> list[float]: ...
+def servo_plant_fields() -> list[tuple[str, str, str]]: ...
+def servo_run(
+    setup: object,
+    controller: object,
+    filter: _Chain,
+    base: object,
+    gyro: object,
+    times: tuple[float, float, float],
+) -> dict[str, Any]: ...
+def servo_open_loop(
+    plant: object, base: object, voltage: _Floats, start: list[float], timing: tuple[float, int]
+) -> _Floats: ...
+def servo_families(
+    sample_rate_hz: float, density: float, walk: float | None
+) -> list[tuple[str, _Chain, list[tuple[int, str, float, float, bool]], bool]]: ...
+def servo_tune(
+    bench: object,
+    family: object,
+    budget_percent: float,
+    effort: tuple[int, int, int, int],
+    seeds: _Seeds,
+    progress: object | None,
+) -> dict[str, Any]: ...
+def servo_validate(
+    bench: object, family: object, controller: object, parameters: list[float], seeds: _Seeds, margins: int
+) -> dict[str, Any]: ...
+def servo_tilt_table(
+    bench: object,
+    family: object,
+    controller: object,
+    parameters: list[float],
+    tilts_deg: list[float],
+    duration_s: float,
+    seeds: _Seeds,
+) -> list[float]: ...
+def servo_integration_error(
+    bench: object,
+    family: object,
+    parameters: list[float],
+    motion: tuple[float, float],
+    duration_s: float,
+    seeds: _Seeds,
+) -> float: ...
+def servo_describe(
+    filter: _Chain,
+    sample_rate_hz: float,
+    frequency_hz: float,
+    amplitudes_dps: list[float],
+    noise_sigma_dps: float,
+    run: tuple[int, int],
+) -> list[tuple[float, float]]: ...

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
 from stillrate import platform as pf
 
 ANSWERS = {"var_white", "var_asym", "var", "white", "gm", "rrw", "I", "I_lyap", "var_T2"}
@@ -159,10 +158,7 @@ def closed_loop(case: dict[str, Any], cases: dict[str, Any]) -> np.ndarray:
         symbols = cases[f"open_loop_{symbols}"]["plant"]
     ctrl = case["ctrl"]
     ticks = max(case["tick"]) + 1
-    if ctrl["angle_source"] not in ("raw", 0):
-        filtered = True
-    else:
-        filtered = False
+    filtered = ctrl["angle_source"] not in ("raw", 0)
     found = pf.run(
         base_of(case),
         setup=pf.Setup(
@@ -190,5 +186,3 @@ def closed_loop(case: dict[str, Any], cases: dict[str, Any]) -> np.ndarray:
         duration_s=ticks * 0.02,
     )
     return found.record[case["tick"]]
-
-

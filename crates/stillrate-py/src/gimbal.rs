@@ -208,6 +208,7 @@ fn gimbal_calibrate<'py>(
         dict.set_item("correlation", tests.correlation.to_vec())?;
         dict.set_item("correlation_sigma", tests.correlation_sigma)?;
         dict.set_item("skipped", tests.skipped)?;
+        dict.set_item("outliers", tests.outliers)?;
         dict.set_item("alarm", tests.alarm())?;
         result.set_item("tests", dict)?;
     }

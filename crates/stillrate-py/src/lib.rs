@@ -5,6 +5,7 @@
 use pyo3::prelude::*;
 
 mod analysis;
+mod attitude;
 mod convert;
 mod drift;
 mod filter;
@@ -12,13 +13,16 @@ mod gimbal;
 mod gimbal_parts;
 mod inspect;
 mod logs;
+mod observability;
 mod rate_table;
+mod recursive;
 mod servo;
 
 /// The compiled half of the Python package.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    attitude::register(module)?;
     filter::register(module)?;
     rate_table::register(module)?;
     gimbal::register(module)?;
@@ -27,5 +31,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     analysis::register(module)?;
     drift::register(module)?;
     servo::register(module)?;
+    observability::register(module)?;
+    recursive::register(module)?;
     Ok(())
 }

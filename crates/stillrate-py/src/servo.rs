@@ -12,6 +12,7 @@ use stillrate_lab::servo::controller::Controller;
 use stillrate_lab::servo::describing::describe;
 use stillrate_lab::servo::family::{Family, Tunable, standard};
 use stillrate_lab::servo::loop_filter::{by_name, linear_equivalent};
+use stillrate_lab::servo::measure;
 use stillrate_lab::servo::plant::{Curves, Plant, STATES};
 use stillrate_lab::servo::platform::GyroErrors;
 use stillrate_lab::servo::search::{Effort, Range};
@@ -226,6 +227,8 @@ fn servo_run<'py>(
     let found = PyDict::new(py);
     let rows: Vec<Vec<f64>> = record.rows.iter().map(|row| row.to_vec()).collect();
     found.set_item("record", table(py, &rows, 8)?)?;
+    let residual = measure::residual(&record, 3.0, axis.period_s());
+    found.set_item("residual_deg", (residual.rms_deg, residual.max_deg))?;
     found.set_item("lost_at", record.lost_at)?;
     found.set_item("out_of_stroke_at", record.out_of_stroke_at)?;
     found.set_item("warnings", warnings)?;

@@ -14,11 +14,16 @@ from cyclopts import App, CycloptsError
 COMMANDS = {
     "demo": "Clean a simulated log by several methods and show why to trust the result.",
     "filter": "Clean a gyro log: same rows and columns, the rates filtered.",
+    "platform": "Compare filters in the loop of a stabilised platform, with pictures.",
     "simulate": "Write a simulated gyro log of which the truth is known.",
 }
 """Name -> one line of help; the module is ``stillrate.cli.NAME`` (dashes become underscores)."""
 
-CALIBRATIONS: dict[str, str] = {}
+CALIBRATIONS: dict[str, str] = {
+    "reference-bias": "Gyro bias from reference attitudes in the log.",
+    "rate-table": "Fit the error of a gyro over its rate from a turntable log.",
+    "gimbal": "Find every coefficient of a gimballed head from its commands and accelerometers.",
+}
 """Kind -> one line of help; the module is ``stillrate.cli.calibrate_KIND``."""
 
 

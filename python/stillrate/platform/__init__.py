@@ -1,8 +1,8 @@
 """The servo platform that a gyro serves: run it, tune it, and propagate its gyro's noise.
 
 `run` simulates one axis (drive, friction, play, delay, limits) with any filter of the library in the loop; `tune` finds
-controller and filter together at a budget of actuator jitter; `drift` and `variance` give the angle error of linear loops
-in closed form.
+controller and filter together at a budget of actuator jitter; `drift` and `variance` give the angle error
+of linear loops in closed form.
 """
 
 from stillrate.platform.drift import Drift, LoopNoise, drift, variance

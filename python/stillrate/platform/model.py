@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,13 +153,14 @@ class Plant:
     @classmethod
     def from_symbols(cls, symbols: dict[str, float], *, curves: str = "algebraic") -> Plant:
         """Return a plant from the symbols of the equations (J, kg, Bp, Tp, wp, kc, cc, hb, ds, Jr, ...)."""
-        named = {name: float(symbols[symbol]) for name, symbol, _ in _native.servo_plant_fields()}
-        return cls(**named, curves=curves)
+        named: dict[str, Any] = {name: float(symbols[symbol]) for name, symbol, _ in _native.servo_plant_fields()}
+        return cls(**named).replace(curves=curves)
 
     @classmethod
     def _of(cls, numbers: Sequence[float]) -> Plant:
         names = [name for name, _, _ in _native.servo_plant_fields()]
-        return cls(**dict(zip(names, numbers, strict=True)))
+        named: dict[str, Any] = dict(zip(names, numbers, strict=True))
+        return cls(**named)
 
     def replace(self, **changes: float | str) -> Plant:
         """Return a copy with some parameters changed."""
@@ -311,7 +312,7 @@ def links(chosen: LoopFilter | Sequence[LoopFilter] | None, sample_rate_hz: floa
     if isinstance(chosen, Config):
         if chosen.sample_rate_hz != sample_rate_hz:
             raise ConfigError(
-                f"sample_rate_hz = {chosen.sample_rate_hz:g} Hz of the filter (must be the loop's {sample_rate_hz:g} Hz)"
+                f"sample_rate_hz = {chosen.sample_rate_hz:g} of the filter (must be the loop's {sample_rate_hz:g} Hz)"
             )
         return [(chosen.method, chosen.settings())]
     return [chosen.link(sample_rate_hz)]

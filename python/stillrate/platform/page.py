@@ -15,15 +15,18 @@ from stillrate.platform.svg import PALETTE, lines, scatter
 _STYLE = """
 body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:64rem;padding:0 1rem;color:#1b2733;background:#fff}
 h1{font-size:1.7rem}h2{font-size:1.2rem;margin-top:2.2rem}table{border-collapse:collapse;font-size:.9rem}
-td,th{padding:.25rem .7rem;border-bottom:1px solid #d8dee4;text-align:right}td:first-child,th:first-child{text-align:left}
-svg{max-width:100%;height:auto}.stage{display:flex;gap:1rem;flex-wrap:wrap}.stage figure{margin:0;flex:1 1 14rem;text-align:center}
+td,th{padding:.25rem .7rem;border-bottom:1px solid #d8dee4;text-align:right}
+td:first-child,th:first-child{text-align:left}
+svg{max-width:100%;height:auto}.stage{display:flex;gap:1rem;flex-wrap:wrap}
+.stage figure{margin:0;flex:1 1 14rem;text-align:center}
 .controls{display:flex;gap:1rem;align-items:center;margin:.6rem 0}.controls input{flex:1}.note{color:#57636f}
 button{font:inherit;padding:.3rem 1rem}
 """
 
 _SCRIPT = """
 const data=JSON.parse(document.getElementById('motion').textContent);
-const slider=document.getElementById('time'),play=document.getElementById('play'),clock=document.getElementById('clock');
+const slider=document.getElementById('time');
+const play=document.getElementById('play'),clock=document.getElementById('clock');
 let running=false,last=0,at=0;
 function draw(){
   const k=Math.min(Math.round(at/data.dt),data.base.length-1);
@@ -55,9 +58,9 @@ def page(study: Study) -> str:
         "<!doctype html><html lang='en'><meta charset='utf-8'><title>Stabilised platform</title>",
         f"<style>{_STYLE}</style><h1>Does the filter help where it is used?</h1>",
         f"<p>One axis of a stabilised platform at {setup.sample_rate_hz:g} Hz. Its base swings by "
-        f"{setup.amplitude_deg:g} deg at {setup.frequency_hz:g} Hz; controller and filter were tuned together, with the "
-        "same search effort for every filter, at a budget of actuator jitter at rest (rms of the voltage less its 0.4 s "
-        "mean, percent of the supply, measured 6 to 14 s after a 15 deg tilt), gain margin 2 and delay margin 10 ms "
+        f"{setup.amplitude_deg:g} deg at {setup.frequency_hz:g} Hz; controller and filter were tuned together, with "
+        "the same search effort for every filter, at a budget of actuator jitter at rest (rms of the voltage less its "
+        "0.4 s mean, percent of the supply, measured 6 to 14 s after a 15 deg tilt), gain margin 2 and delay margin 10 ms "
         "demanded. All figures come from noise seeds that the tuner did not see.</p>",
         _stage(study.runs, "Watch it"),
         _results(study),
@@ -120,9 +123,13 @@ def _results(study: Study) -> str:
         "<h2>The table</h2>"
         + _table(head, rows)
         + "<p class='note'>The last column is the error (rms, 70 s) that integrating the filter's output would add to "
-        "integrating the raw rate: during the base motion, and during a slow swing of 0.2 deg/s. The controller integrates the raw rate for "
-        "this reason.</p>"
-        + ("<p class='note'>* the tuner found nothing that meets every constraint; its least bad design is shown.</p>" if star else "")
+        "integrating the raw rate: during the base motion, and during a slow swing of 0.2 deg/s. The "
+        "controller integrates the raw rate for this reason.</p>"
+        + (
+            "<p class='note'>* the tuner found nothing that meets every constraint; its least bad design is shown.</p>"
+            if star
+            else ""
+        )
     )
 
 
@@ -171,8 +178,8 @@ def _fixed(study: Study) -> str:
     return (
         "<h2>With the controller fixed</h2>"
         + _table(head, rows)
-        + "<p>With a fixed PID a good filter does not change the residual: it only makes the actuator quieter at rest. What "
-        "it gains in motion comes from the gains it permits.</p>"
+        + "<p>With a fixed PID a good filter does not change the residual: it only makes the actuator quieter at rest. "
+        "What it gains in motion comes from the gains it permits.</p>"
     )
 
 
@@ -204,7 +211,8 @@ def _platform(index: int, name: str) -> str:
         "<line x1='-105' x2='105' y1='-30' y2='-30' stroke='#c8d0d8' stroke-dasharray='3 4'/>"
         "<g class='base'><rect x='-80' y='34' width='160' height='12' rx='3' fill='#8a97a5'/>"
         "<rect x='-4' y='-26' width='8' height='62' fill='#8a97a5'/></g>"
-        f"<g transform='translate(0,-30)'><g class='top'><rect x='-70' y='-5' width='140' height='10' rx='3' fill='{colour}'/>"
+        f"<g transform='translate(0,-30)'><g class='top'>"
+        f"<rect x='-70' y='-5' width='140' height='10' rx='3' fill='{colour}'/>"
         f"<rect x='-16' y='-27' width='32' height='22' rx='4' fill='{colour}'/></g></g>"
         "<circle cx='0' cy='-30' r='5' fill='#1b2733'/>"
         "<text class='read' x='0' y='66' text-anchor='middle' font-size='13'></text></svg>"

@@ -23,11 +23,13 @@ class Run:
     t_s : ndarray (n,)
         Time of each tick.
     record : ndarray (n, 8)
-        Platform angle, voltage, filtered rate, gyro sample, estimated angle, drive angle, base angle, drive rate; SI and
-        radians, columns named in `columns`.
+        Platform angle, voltage, filtered rate, gyro sample, estimated angle, drive angle, base angle, drive rate; SI
+        and radians, columns named in `columns`.
     lost_at, out_of_stroke_at : int or None
-        Tick at which the platform was lost (beyond 10 rad or not finite; the run ends there), and first tick at which the
-        drive stood beyond its range.
+        Tick at which the platform was lost (beyond 10 rad or not finite; the run ends there), and first tick at which
+        the drive stood beyond its range.
+    residual_deg : (float, float)
+        Root mean square and largest magnitude of the angle from 3 s on, degrees (0 for a shorter run).
     warnings : tuple of str
         An unreachable base rate, an angle beyond the range, an unstable loop, each with the number that shows it.
     """
@@ -36,6 +38,7 @@ class Run:
     record: NDArray[np.float64]
     lost_at: int | None
     out_of_stroke_at: int | None
+    residual_deg: tuple[float, float]
     warnings: tuple[str, ...]
     columns: tuple[str, ...] = COLUMNS
 
@@ -146,6 +149,7 @@ def run_links(
         record=record,
         lost_at=found["lost_at"],
         out_of_stroke_at=found["out_of_stroke_at"],
+        residual_deg=tuple(found["residual_deg"]),
         warnings=tuple(found["warnings"]),
     )
 

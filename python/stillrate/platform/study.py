@@ -1,4 +1,4 @@
-"""The comparison on the platform: same plant, same jitter budget, same margins; residual by filter, and what stays the same."""
+"""The comparison on the platform: same plant, same jitter budget, same margins; residual by filter."""
 
 from __future__ import annotations
 

@@ -27,15 +27,18 @@ def _ticks(low: float, high: float) -> list[float]:
 
 def _frame(body: str, names: Sequence[str], x_label: str, y_label: str) -> str:
     legend = "".join(
-        f"<rect x='{_WIDTH - _RIGHT + 14}' y='{_TOP + 18 * i + 4}' width='12' height='4' fill='{PALETTE[i % len(PALETTE)]}'/>"
+        f"<rect x='{_WIDTH - _RIGHT + 14}' y='{_TOP + 18 * i + 4}' width='12' height='4' "
+        f"fill='{PALETTE[i % len(PALETTE)]}'/>"
         f"<text x='{_WIDTH - _RIGHT + 32}' y='{_TOP + 18 * i + 11}' font-size='12'>{escape(name)}</text>"
         for i, name in enumerate(names)
     )
     middle_x, middle_y = (_LEFT + _WIDTH - _RIGHT) / 2, (_TOP + _HEIGHT - _BOTTOM) / 2
     return (
-        f"<svg viewBox='0 0 {_WIDTH} {_HEIGHT}' role='img' aria-label='{escape(y_label)} over {escape(x_label)}'>{body}{legend}"
+        f"<svg viewBox='0 0 {_WIDTH} {_HEIGHT}' role='img' aria-label='{escape(y_label)} over {escape(x_label)}'>"
+        f"{body}{legend}"
         f"<text x='{middle_x:.0f}' y='{_HEIGHT - 6}' font-size='13' text-anchor='middle'>{escape(x_label)}</text>"
-        f"<text x='14' y='{middle_y:.0f}' font-size='13' text-anchor='middle' transform='rotate(-90 14 {middle_y:.0f})'>"
+        f"<text x='14' y='{middle_y:.0f}' font-size='13' text-anchor='middle' "
+        f"transform='rotate(-90 14 {middle_y:.0f})'>"
         f"{escape(y_label)}</text></svg>"
     )
 
@@ -55,9 +58,7 @@ def _grid(xs: list[tuple[float, str]], ys: list[tuple[float, str]]) -> str:
     return across + up
 
 
-def lines(
-    series: Sequence[tuple[str, NDArray[np.float64], NDArray[np.float64]]], *, x_label: str, y_label: str
-) -> str:
+def lines(series: Sequence[tuple[str, NDArray[np.float64], NDArray[np.float64]]], *, x_label: str, y_label: str) -> str:
     """Draw curves (name, x, y)."""
     x_high = max((float(x[-1]) for _, x, _ in series if len(x)), default=1.0)
     finite = [y[np.isfinite(y)] for _, _, y in series]

@@ -57,7 +57,7 @@ class Family:
 
 
 def families(setup: Setup | None = None) -> dict[str, Family]:
-    """Return the study's families: none, PT1, biquad, fixed Kalman filter, one-euro, Singer-IMM, default bank with PT1."""
+    """Return the study's families, from no filter to the default bank followed by a PT1."""
     setup = Setup() if setup is None else setup
     walk = setup.noise.rate_random_walk_dps_sqrt_s
     found = _native.servo_families(setup.sample_rate_hz, setup.noise.density_dps_sqrt_hz, walk)
@@ -88,7 +88,7 @@ class Tuned:
 class Row:
     """What a design does, measured on given seeds; spreads are (mean, smallest, largest).
 
-    Jitter is the rms of the voltage less its 0.4 s mean, percent of the supply, 6 to 14 s after a tilt of 15 deg in 0.5 s.
+    Jitter is the rms of the voltage less its 0.4 s mean, percent of the supply, 6 to 14 s after a 15 deg tilt.
     """
 
     rms_deg: Spread
@@ -108,8 +108,8 @@ def tune(
     budget_percent: float,
     *,
     setup: Setup | None = None,
-    population: int = 24,
-    generations: int = 30,
+    population: int = 16,
+    generations: int = 24,
     restarts: int = 3,
     search_seed: int = SEARCH_SEED,
     seeds: Sequence[int] = TUNING_SEEDS,
@@ -117,8 +117,8 @@ def tune(
 ) -> Tuned:
     """Find gains and filter settings with the least residual at a budget of rest jitter.
 
-    Rest jitter counts after a tilt and may not exceed twice the undisturbed one; the loop must stay quiet with twice the
-    gain and with 10 ms more delay. The defaults are one effort for every family: compare nothing tuned with different ones.
+    Rest jitter counts after a tilt and may not exceed twice the undisturbed one; the loop must stay quiet with twice
+    the gain and with 10 ms more delay. The defaults are one effort for every family: compare nothing tuned with others.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def describe(
     periods: int = 600,
     seed: int = 1,
 ) -> list[tuple[float, float]]:
-    """Describing function: (gain, phase in degrees) at each amplitude of the rate, noise present."""
+    """Return the describing function: (gain, phase in degrees) at each amplitude of the rate, noise present."""
     chain = links(filter, sample_rate_hz)
     run = (periods, seed)
     found: list[tuple[float, float]] = _native.servo_describe(

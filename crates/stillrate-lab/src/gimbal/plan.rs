@@ -1,6 +1,6 @@
 //! Search for a better trajectory within rate and slew limits: hill climbing on the worst relative Cramer-Rao bound.
 //!
-//! A trajectory is a table of segments whose rates about each axis are -1, 0 or 1 times the limit. Its figure is the largest bound of a
+//! A trajectory is a table of segments whose rates about each axis are -1, -1/2, 0, 1/2 or 1 times the limit. Its figure is the largest bound of a
 //! drift or g-sensitive coefficient (kappa taken out), over its typical size of 0.65 scales, with kappa weighed by `kappa_weight`. Moves change one or
 //! two entries; a move is kept if the figure falls. Several climbs start from the given table and from random ones; each has its own
 //! stream of random numbers, so the result does not depend on the number of threads.
@@ -98,10 +98,10 @@ pub fn plan(
     let climb = |number: usize| {
         let mut random = Random::new(search.seed, number as u64);
         let mut best = search.start.clone();
-        let levels = [-search.rate_max_deg_s, 0.0, search.rate_max_deg_s];
+        let levels = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|share| share * search.rate_max_deg_s);
         if number > 0 {
             for entry in best.segments_deg_s.iter_mut().flatten() {
-                *entry = levels[random.below(3) as usize];
+                *entry = levels[random.below(5) as usize];
             }
         }
         let mut value = rate(&best);
@@ -110,7 +110,7 @@ pub fn plan(
             for _ in 0..=random.below(2) {
                 let segment = random.below(next.segments_deg_s.len() as u64) as usize;
                 let axis = random.below(3) as usize;
-                next.segments_deg_s[segment][axis] = levels[random.below(3) as usize];
+                next.segments_deg_s[segment][axis] = levels[random.below(5) as usize];
             }
             let there = rate(&next);
             if there.0 < value.0 {

@@ -125,10 +125,13 @@ fn delimiter_of(lines: &[&str]) -> u8 {
             best = (delimiter, found);
         }
     }
-    if best.1 == 0 && score(b' ') > 0 {
-        return b' ';
-    }
-    best.0
+    // Blanks and tabs mixed: more numbers between blanks than fields between tabs.
+    let numbers = |line: &&str| {
+        let fields = split(line, b' ');
+        fields.len() > split(line, b'\t').len() && fields.iter().all(|field| number(field, true).is_some())
+    };
+    let mixed = best.0 == b'\t' && lines.iter().all(numbers);
+    if score(b' ') > 0 && (best.1 == 0 || mixed) { b' ' } else { best.0 }
 }
 
 /// The most frequent value (the first met of several).

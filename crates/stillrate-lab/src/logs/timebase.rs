@@ -66,7 +66,8 @@ pub fn analyse(t_s: &[f64]) -> Timebase {
 
 fn nominal_period(forward: &[f64], median: f64, steps: usize) -> f64 {
     // Without pauses of the logger: steps far longer than all but a hundredth of them.
-    let usual_longest = forward.get(forward.len() * 99 / 100).copied().unwrap_or(f64::NAN);
+    let rare = 1 + (forward.len() / 100).max(3);
+    let usual_longest = forward.get(forward.len().saturating_sub(rare)).copied().unwrap_or(f64::NAN);
     let pauses = forward.iter().rev().take_while(|step| **step > PAUSE_RATIO * usual_longest).count();
     let spread = forward[..forward.len() - pauses].iter().sum::<f64>() / (steps - pauses).max(1) as f64;
     let near = forward.iter().filter(|step| (0.5 * median..=1.5 * median).contains(*step));

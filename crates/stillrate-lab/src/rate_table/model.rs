@@ -72,6 +72,40 @@ impl ErrorModel {
         self.curve.inputs > 1
     }
 
+    /// Root mean square of measured less true rate before and after correction, and the share of samples outside the calibrated range.
+    ///
+    /// # Errors
+    /// A sentence if the lists do not fit, the model needs a temperature, or no sample is usable.
+    pub fn score(
+        &self,
+        measured: &[f64],
+        truth: &[f64],
+        temperature: Option<&[f64]>,
+    ) -> Result<(f64, f64, f64), String> {
+        if self.needs_temperature() && temperature.is_none() {
+            return Err("this model was calibrated with temperature: give temperature_c".into());
+        }
+        if truth.len() != measured.len() || temperature.is_some_and(|t| t.len() != measured.len()) {
+            return Err(format!(
+                "{} measured and {} true rates must be as many (as must temperatures)",
+                measured.len(),
+                truth.len()
+            ));
+        }
+        let [mut raw, mut left, mut outside, mut count] = [0.0; 4];
+        for (k, (y, w)) in measured.iter().zip(truth).enumerate().filter(|(_, (y, w))| y.is_finite() && w.is_finite()) {
+            let corrected = self.curve.correct(*y, [temperature.map_or(0.0, |t| t[k]), 0.0]);
+            raw += (y - w) * (y - w);
+            left += (corrected.rate - w) * (corrected.rate - w);
+            outside += if corrected.flags.has(stillrate::Flags::EDGE_HELD) { 1.0 } else { 0.0 };
+            count += 1.0;
+        }
+        if count == 0.0 {
+            return Err("no usable sample".into());
+        }
+        Ok((stillrate::Real::root(raw / count), stillrate::Real::root(left / count), outside / count))
+    }
+
     /// The text of the file.
     #[must_use]
     pub fn to_text(&self) -> String {

@@ -75,3 +75,36 @@ pub fn random_walk(
     run.variance.truncate(measured.len());
     Ok(run)
 }
+
+/// How a run of [`random_walk`] did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunScore {
+    /// ln R^ + mean ln F + 1 with F in units of R, over the samples after the first.
+    pub innovation: f64,
+    /// R^: measurement variance that the innovations imply.
+    pub measurement_variance: f64,
+    /// Gain it settles at.
+    pub settled_gain: f64,
+}
+
+/// Scores a run by its innovations.
+#[must_use]
+pub fn score(run: &Run, measured: &[f64], process_noise: f64, measurement_variance: f64) -> RunScore {
+    let q = process_noise / measurement_variance;
+    let (mut weighted, mut logarithms, mut count) = (0.0, 0.0, 0.0);
+    for (k, z) in measured.iter().enumerate().skip(1).filter(|(_, z)| z.is_finite()) {
+        let innovation = z - run.rate[k - 1];
+        let variance = run.variance[k - 1] / measurement_variance + q + 1.0;
+        weighted += innovation * innovation / variance;
+        logarithms += variance.logarithm();
+        count += 1.0;
+    }
+    // Steady state of the Riccati equation, predicted variance in units of R: p^2 = q (p + 1).
+    let predicted = 0.5 * (q + (q * q + 4.0 * q).root());
+    let variance = weighted / count;
+    RunScore {
+        innovation: variance.logarithm() + logarithms / count + 1.0,
+        measurement_variance: variance,
+        settled_gain: predicted / (1.0 + predicted),
+    }
+}

@@ -116,6 +116,17 @@ impl RateTableModel {
         self.map(py, &rates, temperatures.as_ref(), |rate, t| (self.model.curve.slope([rate, t, 0.0]), Flags::NONE))
     }
 
+    /// RMS of measured less true rate before and after correction, and the share outside the calibrated range.
+    fn score(
+        &self,
+        measured: PyReadonlyArray1<'_, f64>,
+        truth: PyReadonlyArray1<'_, f64>,
+        temperatures: Option<PyReadonlyArray1<'_, f64>>,
+    ) -> PyResult<(f64, f64, f64)> {
+        let temperatures = temperatures.as_ref().map(slice).transpose()?;
+        self.model.score(slice(&measured)?, slice(&truth)?, temperatures).map_err(value_error)
+    }
+
     /// Steepest slope in range.
     fn steepest(&self) -> f64 {
         fit::steepest(&self.model.curve)

@@ -21,6 +21,8 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(qpso_trace, module)?)?;
     module.add_function(wrap_pyfunction!(kalman_random_walk, module)?)?;
     module.add_function(wrap_pyfunction!(kalman_track, module)?)?;
+    module.add_function(wrap_pyfunction!(kalman_score, module)?)?;
+    module.add_function(wrap_pyfunction!(compare_rates, module)?)?;
     module.add_function(wrap_pyfunction!(tune_noise, module)?)?;
     module.add_function(wrap_pyfunction!(tune_bank, module)?)?;
     module.add_class::<NoiseObjective>()
@@ -167,6 +169,36 @@ fn qpso_trace<'py>(
     Ok(list)
 }
 
+/// Innovation score, R^ and settled gain of a run of the scalar filter.
+#[pyfunction]
+fn kalman_score(
+    measured: PyReadonlyArray1<'_, f64>,
+    process_noise: f64,
+    measurement_variance: f64,
+    start_rate: f64,
+    start_variance: f64,
+) -> PyResult<(f64, f64, f64)> {
+    let z = slice(&measured)?;
+    let run = track::random_walk(z, process_noise, measurement_variance, start_rate, start_variance);
+    let score = track::score(&run.map_err(value_error)?, z, process_noise, measurement_variance);
+    Ok((score.innovation, score.measurement_variance, score.settled_gain))
+}
+
+/// Mean squared and mean absolute difference.
+#[pyfunction]
+fn compare_rates(estimate: PyReadonlyArray1<'_, f64>, truth: PyReadonlyArray1<'_, f64>) -> PyResult<(f64, f64)> {
+    let (estimate, truth) = (slice(&estimate)?, slice(&truth)?);
+    if estimate.len() != truth.len() || truth.is_empty() {
+        return Err(value_error(format!(
+            "{} estimates for {} true rates (must be as many)",
+            estimate.len(),
+            truth.len()
+        )));
+    }
+    let cell = stillrate_lab::rate_table::table3::cell(estimate, truth);
+    Ok((cell.mse, cell.mae))
+}
+
 type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// Rate, gain and variance of the scalar random-walk filter.
@@ -253,6 +285,11 @@ impl NoiseObjective {
         }
         tuned::check(&objective.records(), period_s, criterion).map_err(value_error)?;
         Ok(objective)
+    }
+
+    /// Whether something moves in at least one record.
+    fn moving(&self) -> bool {
+        self.records().iter().any(|record| record.moves(self.period_s))
     }
 
     /// Lower and upper end of log10(Q/R).

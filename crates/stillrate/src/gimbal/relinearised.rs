@@ -19,6 +19,9 @@ use super::rotation::{apply, exponential, logarithm, product};
 use super::window::{Reference, against_model, commanded, sampled_attitude};
 use crate::real::Real;
 
+/// In the last pass a residual beyond this many deviations is a window that too many spikes have spoilt, and is left out: the
+/// trajectory is then so close that residuals are the noise alone.
+pub const SPOILT_SIGMA: f64 = 6.0;
 /// First pass, s; every further one is twice as long.
 pub const FIRST_PASS_S: f64 = 15.0;
 
@@ -68,6 +71,8 @@ pub struct Pass<T, const N: usize> {
     pub accumulated: [[f64; 4]; N],
     /// Intervals so far.
     pub epoch: usize,
+    /// Residuals beyond this many deviations are left out.
+    pub gate_sigma: f64,
 }
 
 /// Recursive Gauss-Newton.
@@ -133,6 +138,7 @@ impl<T: Real, const N: usize> Relinearised<T, N> {
             carried: Matrix3::identity(),
             accumulated: [[0.0; 4]; N],
             epoch: 0,
+            gate_sigma: f64::INFINITY,
         }
     }
 
@@ -167,12 +173,14 @@ impl<T: Real, const N: usize> Relinearised<T, N> {
         for axis in 0..3 {
             let (predicted, row) = pass.geometry.output_row(axis, &force, &force_rate);
             let known = if reference == Reference::Model { 0.0 } else { predicted };
+            let residual = measured.value[axis] - known;
+            let spoilt = residual * residual > pass.gate_sigma * pass.gate_sigma * measured.variance[axis];
             innovations[axis] = estimator.absorb(
                 &mut pass.factor,
                 &row,
                 &estimator.support(axis),
-                measured.value[axis] - known,
-                measured.variance[axis],
+                residual,
+                if spoilt { f64::INFINITY } else { measured.variance[axis] },
                 &mut pass.deviation,
             );
         }
@@ -255,6 +263,14 @@ impl<T: Real, const N: usize> Relinearised<T, N> {
             whole += usize::from(until == total);
             let reference = if number == 0 { Reference::Commanded } else { self.reference };
             let mut pass = self.begin(&point, prior);
+            // With angle random walk the residuals against one fixed trajectory are not the noise alone.
+            if whole == 2
+                && self.estimator.robust
+                && reference == Reference::Model
+                && self.estimator.attitude_walk == 0.0
+            {
+                pass.gate_sigma = SPOILT_SIGMA;
+            }
             while pass.epoch < until {
                 let innovations = self.step(&mut pass, record, reference);
                 observe(number, &pass, &innovations);

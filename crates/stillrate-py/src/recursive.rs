@@ -1,0 +1,307 @@
+//! Vector least squares, closed forms of the recursive filters, and the tables of their bench.
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use std::sync::Mutex;
+use stillrate::filters::{
+    BiquadSettings, FirLowPassSettings, OneEuroSettings, Pt1, RecursiveLeastSquaresSettings, VectorRls,
+    VectorRlsSettings, VectorRlsState, closed_forms,
+};
+use stillrate::{ConfigError, Filter, GyroNoise, Real, Sample, Settings};
+use stillrate_lab::recursive::{bench, response, scenarios, two_fixes};
+use stillrate_lab::settings_map::SettingsError;
+
+use crate::convert::config_error;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<NativeVectorRls>()?;
+    module.add_function(wrap_pyfunction!(closed_form, module)?)?;
+    module.add_function(wrap_pyfunction!(order_2_gains, module)?)?;
+    module.add_function(wrap_pyfunction!(fir_taps, module)?)?;
+    module.add_function(wrap_pyfunction!(recursive_responses, module)?)?;
+    module.add_function(wrap_pyfunction!(recursive_bench, module)?)?;
+    module.add_function(wrap_pyfunction!(two_fix_table, module)?)
+}
+
+fn refused(py: Python<'_>, error: ConfigError) -> PyErr {
+    config_error(py, &SettingsError::Value(error))
+}
+
+/// Vector least squares of any order and precision.
+trait AnyVectorRls: Send {
+    fn step(&mut self, phi: &[f64], y: f64) -> (f64, f64, u32);
+    fn weights(&self) -> Vec<f64>;
+    fn covariance(&self) -> Vec<f64>;
+    fn reset(&mut self);
+}
+
+struct Sized<T, const N: usize> {
+    rls: VectorRls<T, N>,
+    state: VectorRlsState<T, N>,
+}
+
+impl<T: Real, const N: usize> AnyVectorRls for Sized<T, N> {
+    fn step(&mut self, phi: &[f64], y: f64) -> (f64, f64, u32) {
+        let phi = core::array::from_fn(|k| T::of(phi.get(k).copied().unwrap_or(f64::NAN)));
+        let seen = self.rls.step(&mut self.state, phi, T::of(y));
+        (seen.prediction.widen(), seen.innovation.widen(), seen.flags.0)
+    }
+    fn weights(&self) -> Vec<f64> {
+        self.state.weights.iter().map(|w| w.widen()).collect()
+    }
+    fn covariance(&self) -> Vec<f64> {
+        self.state.covariance().iter().flatten().map(|p| p.widen()).collect()
+    }
+    fn reset(&mut self) {
+        self.state = self.rls.start();
+    }
+}
+
+fn sized<T: Real, const N: usize>(settings: VectorRlsSettings) -> Result<Box<dyn AnyVectorRls>, ConfigError> {
+    let rls = VectorRls::<T, N>::new(settings)?;
+    Ok(Box::new(Sized { rls, state: rls.start() }))
+}
+
+fn of_order<T: Real>(order: usize, settings: VectorRlsSettings) -> Result<Box<dyn AnyVectorRls>, ConfigError> {
+    macro_rules! orders {
+        ($($n:literal),*) => {
+            match order {
+                $($n => sized::<T, $n>(settings),)*
+                _ => Err(ConfigError::new("order", order as f64, "", "a whole number from 1 to 16")),
+            }
+        };
+    }
+    orders!(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
+}
+
+#[pyclass(frozen, module = "stillrate._native")]
+struct NativeVectorRls {
+    inner: Mutex<Box<dyn AnyVectorRls>>,
+    #[pyo3(get)]
+    order: usize,
+}
+
+#[pymethods]
+impl NativeVectorRls {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        order: usize,
+        forgetting_factor: f64,
+        initial_covariance: f64,
+        trace_max: f64,
+        single: bool,
+    ) -> PyResult<Self> {
+        let settings = VectorRlsSettings { forgetting_factor, initial_covariance, trace_max };
+        let built = if single { of_order::<f32>(order, settings) } else { of_order::<f64>(order, settings) };
+        Ok(Self { inner: Mutex::new(built.map_err(|error| refused(py, error))?), order })
+    }
+
+    /// One sample: prediction, innovation, flags.
+    fn update(&self, phi: Vec<f64>, y: f64) -> PyResult<(f64, f64, u32)> {
+        if phi.len() != self.order {
+            return Err(PyValueError::new_err(format!("phi has {} entries (must be {})", phi.len(), self.order)));
+        }
+        Ok(self.lock().step(&phi, y))
+    }
+
+    /// Many samples: weights (n, order), prediction, innovation, flags, after each.
+    #[allow(clippy::type_complexity)]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        phi: numpy::PyReadonlyArray2<'py, f64>,
+        y: numpy::PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<(
+        Bound<'py, PyArray2<f64>>,
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<u32>>,
+    )> {
+        let (phi, y) = (phi.as_array(), y.as_array());
+        let (rows, columns) = phi.dim();
+        if columns != self.order || y.len() != rows {
+            let text = format!("phi is ({rows}, {columns}) and y ({},): must be (n, {}) and (n,)", y.len(), self.order);
+            return Err(PyValueError::new_err(text));
+        }
+        let (phi, y): (Vec<f64>, Vec<f64>) = (phi.iter().copied().collect(), y.iter().copied().collect());
+        let mut weights = Vec::with_capacity(phi.len());
+        let (mut prediction, mut innovation, mut flags) = (Vec::new(), Vec::new(), Vec::new());
+        py.detach(|| {
+            let mut inner = self.lock();
+            for (row, &value) in phi.chunks_exact(self.order).zip(&y) {
+                let (p, e, f) = inner.step(row, value);
+                prediction.push(p);
+                innovation.push(e);
+                flags.push(f);
+                weights.extend(inner.weights());
+            }
+        });
+        let weights = weights.into_pyarray(py).reshape([rows, columns])?;
+        Ok((weights, prediction.into_pyarray(py), innovation.into_pyarray(py), flags.into_pyarray(py)))
+    }
+
+    /// Present weights.
+    fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.lock().weights().into_pyarray(py)
+    }
+
+    /// Present covariance P.
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.lock().covariance().into_pyarray(py).reshape([self.order, self.order])
+    }
+
+    fn reset(&self) {
+        self.lock().reset();
+    }
+}
+
+impl NativeVectorRls {
+    fn lock(&self) -> std::sync::MutexGuard<'_, Box<dyn AnyVectorRls>> {
+        self.inner.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+/// A closed form by name; `second` is the sample number or the frequency where there is one.
+#[pyfunction]
+#[pyo3(signature = (name, first, second=0.0))]
+fn closed_form(name: &str, first: f64, second: f64) -> PyResult<f64> {
+    Ok(match name {
+        "rls_gain" => closed_forms::rls_gain(first, second as u64),
+        "kf_gain" => closed_forms::kf_gain(first, second as u64),
+        "rls_noise" => closed_forms::rls_noise(first, second as u64),
+        "steady_noise" => closed_forms::steady_noise(first),
+        "steady_noise_order_2" => closed_forms::steady_noise_order_2(first),
+        "lag_samples" => closed_forms::lag_samples(first),
+        "boxcar_length" => closed_forms::boxcar_length(first),
+        "phase_delay_samples" => closed_forms::phase_delay_samples(first, second),
+        "half_power_frequency" => closed_forms::half_power_frequency(first).unwrap_or(f64::NAN),
+        "tau_samples" => closed_forms::tau_samples(first),
+        "forgetting_factor_of_tau" => closed_forms::forgetting_factor_of_tau(first),
+        "variance_ratio" => closed_forms::variance_ratio(first),
+        "forgetting_factor_of_variance_ratio" => closed_forms::forgetting_factor_of_variance_ratio(first),
+        other => return Err(PyValueError::new_err(format!("no closed form '{other}'"))),
+    })
+}
+
+fn unit_noise() -> GyroNoise {
+    GyroNoise::from_density_two_sided(1.0)
+}
+
+/// Gains g1 and g2 of order 2 at samples 1..=count, from the response of the filter itself to one sample of 1.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+fn order_2_gains<'py>(
+    py: Python<'py>,
+    forgetting_factor: f64,
+    count: usize,
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    let tau_s = closed_forms::tau_samples(forgetting_factor);
+    let defaults = RecursiveLeastSquaresSettings::defaults(1.0, unit_noise());
+    let filter = RecursiveLeastSquaresSettings { order: 2.0, tau_s, forgetting_factor, ..defaults }
+        .build::<f64>()
+        .map_err(|error| refused(py, error))?;
+    let (mut level, mut slope) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    let mut state = filter.start();
+    for _ in 0..count {
+        // Everything before was zero: what a sample of 1 does to level and slope is the gain.
+        let mut trial = state;
+        let estimate = filter.step(&mut trial, Sample { value: 1.0, dt: 1.0 });
+        level.push(estimate.rate);
+        slope.push(estimate.acceleration);
+        filter.step(&mut state, Sample { value: 0.0, dt: 1.0 });
+    }
+    Ok((level.into_pyarray(py), slope.into_pyarray(py)))
+}
+
+/// Taps of a windowed low-pass.
+#[pyfunction]
+fn fir_taps<'py>(py: Python<'py>, window: &str, length: f64, cutoff: f64) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let windows = stillrate::filters::fir::WINDOWS;
+    let Some(window) = windows.iter().position(|name| *name == window) else {
+        return Err(PyValueError::new_err(format!("window = '{window}' (must be one of {})", windows.join(", "))));
+    };
+    let defaults = FirLowPassSettings::defaults(1.0, unit_noise());
+    let settings = FirLowPassSettings { window, length, cutoff_hz: cutoff, ..defaults };
+    let (taps, count) = settings.designed().map_err(|error| refused(py, error))?;
+    Ok(PyArray1::from_slice(py, &taps[..count]))
+}
+
+/// Steady-state responses of the filters with matched noise reduction.
+#[pyfunction]
+fn recursive_responses(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
+    let fs = scenarios::SAMPLE_RATE_HZ;
+    let rows = py.detach(|| -> Result<Vec<(&str, response::Response)>, ConfigError> {
+        let fir = |window: usize, length: f64, cutoff_hz: f64| {
+            FirLowPassSettings { window, length, cutoff_hz, ..FirLowPassSettings::defaults(fs, bench::noise()) }
+                .build::<f64>()
+        };
+        let pt1 = |gain: f64| Pt1::<f64>::new(fs, gain / (1.0 - gain) * fs / core::f64::consts::TAU);
+        let (mut first, mut second) = (response::feed(pt1(0.09505)?), response::feed(pt1(0.09505)?));
+        let butterworth = BiquadSettings {
+            cutoff_hz: 0.01127 * fs,
+            quality: core::f64::consts::FRAC_1_SQRT_2,
+            ..BiquadSettings::defaults(fs, bench::noise())
+        };
+        let mut rows = Vec::new();
+        let mut add = |name, run: &mut dyn FnMut(f64) -> f64| rows.push((name, response::response(run)));
+        add("RLS = KF = EMA steady", &mut response::feed(bench::least_squares(1.0, 0.9512).build::<f64>()?));
+        add("boxcar 40", &mut response::feed(fir(0, 40.0, 0.0)?));
+        add("Hann window 61", &mut response::feed(fir(1, 61.0, 0.0)?));
+        add("Hamming 56", &mut response::feed(fir(2, 56.0, 0.0)?));
+        add("Blackman 71", &mut response::feed(fir(3, 71.0, 0.0)?));
+        add("firwin Hamming 81, .0159", &mut response::feed(fir(2, 81.0, 0.0159 * fs)?));
+        add("PT2 (a = .09505 twice)", &mut |value| second(first(value)));
+        add("Butterworth-2, .01127", &mut response::feed(butterworth.build::<f64>()?));
+        let order_2 = bench::least_squares(2.0, 0.980_031);
+        add("order-2 RLS .980031", &mut response::feed(order_2.build::<f64>()?));
+        Ok(rows)
+    });
+    let rows = rows.map_err(|error| refused(py, error))?;
+    let dicts = rows.into_iter().map(|(name, found)| -> PyResult<_> {
+        let dict = PyDict::new(py);
+        dict.set_item("name", name)?;
+        dict.set_item("noise_ratio", found.noise_ratio)?;
+        dict.set_item("delay", found.delay)?;
+        dict.set_item("phase_delay", found.phase_delay)?;
+        dict.set_item("half_power", found.half_power)?;
+        dict.set_item("half", found.half)?;
+        dict.set_item("nine_tenths", found.nine_tenths)?;
+        dict.set_item("settled", found.settled)?;
+        dict.set_item("overshoot", found.overshoot)?;
+        Ok(dict)
+    });
+    PyList::new(py, dicts.collect::<PyResult<Vec<_>>>()?)
+}
+
+/// The adaptive filters on the bench: one-euro is tuned on `tuning_seeds`, everything is judged on `seeds`.
+#[pyfunction]
+fn recursive_bench<'py>(
+    py: Python<'py>,
+    seeds: Vec<u64>,
+    tuning_seeds: Vec<u64>,
+    draws: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let found = py.detach(|| -> Result<(OneEuroSettings, Vec<bench::Row>), ConfigError> {
+        let one_euro = bench::tune_one_euro(draws, 1, &tuning_seeds);
+        let rows = bench::table(&seeds, &one_euro)?;
+        Ok((one_euro, rows))
+    });
+    let (one_euro, rows) = found.map_err(|error| refused(py, error))?;
+    let dict = PyDict::new(py);
+    dict.set_item("scenarios", scenarios::SCENARIOS.iter().map(|(name, _)| *name).collect::<Vec<_>>())?;
+    let tuned = (one_euro.minimum_cutoff_hz, one_euro.beta, one_euro.derivative_cutoff_hz);
+    dict.set_item("one_euro", tuned)?;
+    let rows: Vec<(String, Vec<f64>, f64)> = rows.into_iter().map(|row| (row.name, row.error, row.lag)).collect();
+    dict.set_item("rows", rows)?;
+    Ok(dict)
+}
+
+/// Motion, method and error an axis (deg/h) of the bias from two fixes.
+#[pyfunction]
+fn two_fix_table(py: Python<'_>, time_s: f64, dt_s: f64) -> PyResult<Vec<(&'static str, &'static str, [f64; 3])>> {
+    let rows = py.detach(|| two_fixes::table(time_s, dt_s)).map_err(|error| config_error(py, &error))?;
+    Ok(rows.into_iter().map(|row| (row.motion, row.method, row.error_deg_h)).collect())
+}

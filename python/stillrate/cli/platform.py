@@ -1,0 +1,197 @@
+"""``stillrate platform``: what a filter does to a stabilised platform, in tables and on a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from stillrate.cli.options import Force, refuse_taken
+from stillrate.cli.problems import UsageError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from stillrate.platform import Recorded, Run, Setup
+    from stillrate.platform.study import Design, Result, Study
+
+EFFORTS = {"quick": (12, 10, 1), "normal": (16, 24, 3), "thorough": (24, 40, 3)}
+"""Population, generations, restarts of the search: one effort for every filter of a table."""
+
+
+def command(
+    *,
+    rate: float = 50.0,
+    budget: Annotated[list[float] | None, Parameter(negative="")] = None,
+    filters: str | None = None,
+    tune: Annotated[bool, Parameter(negative="")] = False,
+    effort: str = "normal",
+    gimbal: Annotated[bool, Parameter(negative="")] = False,
+    recording: Path | None = None,
+    column: str | None = None,
+    seeds: int = 12,
+    report: Path | None = None,
+    quiet: Annotated[bool, Parameter(negative="")] = False,
+    force: Force = False,
+) -> int:
+    """Compare filters in the loop of a stabilised platform.
+
+    Shows the shipped designs (30 kg platform, 50 Hz) on noise seeds their tuner did not see, or tunes new ones.
+
+    Parameters
+    ----------
+    rate
+        Control rate in Hz.
+    budget
+        Rest jitter allowed, percent of the supply voltage; may be repeated. Default 0.05 and 0.02.
+    filters
+        Names separated by commas; default all.
+    tune
+        Tune controller and filter anew, with the same effort for every filter.
+    effort
+        quick, normal or thorough.
+    gimbal
+        A small camera gimbal at 200 Hz in place of the 30 kg platform (always tuned).
+    recording
+        A log whose rate moves the base as well.
+    column
+        Its column; default the first rate.
+    seeds
+        Validation seeds, 2 to 12.
+    report
+        Write a page with pictures and an animation (HTML).
+    quiet
+        No progress bar.
+    """
+    from rich.console import Console
+
+    from stillrate.platform import Setup
+
+    if effort not in EFFORTS:
+        raise UsageError(f"--effort {effort} (must be one of {', '.join(EFFORTS)})")
+    if not 2 <= seeds <= 12:
+        raise UsageError(f"--seeds {seeds} (must be from 2 to 12)")
+    refuse_taken([report] if report else [], force=force)
+    setup = Setup.camera_gimbal() if gimbal else Setup(sample_rate_hz=rate)
+    motion = _recorded(recording, column, setup) if recording is not None else None
+    console = Console(stderr=True, quiet=quiet)
+    designs = _designs(setup, budget, filters, tune or gimbal, effort, console)
+    found = _measured(setup, designs, seeds, motion, console)
+    _show(found)
+    if report is not None:
+        from stillrate.platform.page import write
+
+        write(found, report, force=force)
+        console.print(f"wrote {report}", highlight=False, markup=False, soft_wrap=True)
+    return 0
+
+
+def _recorded(path: Path, column: str | None, setup: Setup) -> Recorded:
+    from stillrate.io import read
+    from stillrate.platform import Recorded
+
+    log = read(path)
+    if column is not None and column not in log.channels:
+        raise UsageError(f"--column {column} (the log has {', '.join(log.channels)})")
+    index = 0 if column is None else list(log.channels).index(column)
+    return Recorded(rate_dps=log.rate_dps[:, index], sample_rate_hz=log.sample_rate_hz, range_deg=setup.range_deg)
+
+
+def _designs(
+    setup: Setup, budgets: list[float] | None, names: str | None, anew: bool, effort: str, console: Console
+) -> list[Design]:
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from stillrate.platform import families
+    from stillrate.platform.shipped import SHIPPED
+    from stillrate.platform.study import tune_all
+
+    wanted = [name.strip() for name in names.split(",")] if names else list(families(setup))
+    unknown = [name for name in wanted if name not in families(setup)]
+    if unknown:
+        raise UsageError(f"--filters {unknown[0]} (must be among {', '.join(families(setup))})")
+    if not anew:
+        chosen = [
+            design
+            for design in SHIPPED
+            if design.family in wanted
+            and design.sample_rate_hz == setup.sample_rate_hz
+            and (budgets is None or design.budget_percent in budgets)
+        ]
+        if not chosen:
+            raise UsageError("no shipped design for this rate, budget and filter: add --tune")
+        return chosen
+    population, generations, restarts = EFFORTS[effort]
+    each = population * (generations + 1) * restarts
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    found: list[Design] = []
+    with Progress(*columns, console=console) as bar:
+        task = bar.add_task("tuning", total=each * len(wanted) * len(budgets or (0.05, 0.02)))
+        for budget in budgets or (0.05, 0.02):
+            for name in wanted:
+                before = bar.tasks[0].completed
+
+                def step(family: str, done: int, before: float = before, budget: float = budget) -> None:
+                    bar.update(task, completed=before + done, description=f"tuning {family} at {budget:g} %")
+
+                found += tune_all([name], budget, setup=setup, effort=EFFORTS[effort], progress=step)
+    return found
+
+
+def _measured(setup: Setup, designs: list[Design], seeds: int, motion: Recorded | None, console: Console) -> Study:
+    from rich.progress import track
+
+    from stillrate.platform import Sine
+    from stillrate.platform.study import Study, fixed_test, measure, show
+    from stillrate.platform.tuning import VALIDATION_SEEDS
+
+    chosen = VALIDATION_SEEDS[:seeds]
+    results = tuple(
+        measure(design, setup=setup, seeds=chosen) for design in track(designs, "validating", console=console)
+    )
+    base = Sine(amplitude_deg=setup.amplitude_deg, frequency_hz=setup.frequency_hz)
+    looked_at = _worth_showing(results)
+    runs = tuple((_name(design), show(design, base, setup=setup, duration_s=8.0)) for design in looked_at)
+    recorded: tuple[tuple[str, Run], ...] = ()
+    if motion is not None:
+        length = min(60.0, len(motion.rate_dps) / motion.sample_rate_hz)
+        recorded = tuple((_name(design), show(design, motion, setup=setup, duration_s=length)) for design in looked_at)
+    fixed = tuple(fixed_test(setup, seeds=chosen)) if setup.sample_rate_hz == 50.0 else ()
+    notes = tuple(dict.fromkeys(text for _, run in (*runs, *recorded) for text in run.warnings))
+    return Study(setup=setup, results=results, fixed=fixed, runs=runs, recorded=recorded, notes=notes)
+
+
+def _worth_showing(results: tuple[Result, ...]) -> list[Design]:
+    """At most four designs: one a filter, no filter first, then by residual."""
+    by_name: dict[str, Result] = {}
+    for result in results:
+        held = by_name.get(result.design.family)
+        if held is None or result.design.budget_percent > held.design.budget_percent:
+            by_name[result.design.family] = result
+    ordered = sorted(by_name.values(), key=lambda r: (r.design.family != "none", r.row.max_deg[0]))
+    return [result.design for result in ordered[:4]]
+
+
+def _name(design: Design) -> str:
+    return f"{design.family} ({design.budget_percent:g} %)"
+
+
+def _show(study: Study) -> None:
+    from rich.console import Console
+
+    from stillrate.platform.tables import fixed_table, results_table, tilts_table
+
+    out = Console(width=150, soft_wrap=True)
+    out.print(results_table(study))
+    out.print(tilts_table(study))
+    if study.fixed:
+        out.print(fixed_table(study))
+    for name, run in study.recorded:
+        out.print(
+            f"recorded base, {name}: rms {run.residual_deg[0]:.3f}, max {run.residual_deg[1]:.2f} deg",
+            highlight=False,
+            markup=False,
+        )
+    for note in study.notes:
+        out.print(f"note: {note}", highlight=False, markup=False)

@@ -1,0 +1,79 @@
+"""The study as tables for the terminal."""
+
+from __future__ import annotations
+
+from rich.table import Table
+
+from stillrate.platform.study import TILT_S, TILTS_DEG, Study
+
+
+def _numbers(table: Table, heads: tuple[str, ...]) -> None:
+    for head in heads:
+        table.add_column(head, justify="right")
+
+
+def results_table(study: Study) -> Table:
+    """Return residual, jitter and margins by design."""
+    setup = study.setup
+    table = Table(
+        title=f"{setup.amplitude_deg:g} deg at {setup.frequency_hz:g} Hz, control at {setup.sample_rate_hz:g} Hz; "
+        "validation seeds, smallest - largest in brackets",
+        caption="rest jitter: % of the supply, 6 to 14 s after a 15 deg tilt; * not every constraint met",
+    )
+    table.add_column("filter (budget %)")
+    heads = (
+        "rms deg",
+        "max deg",
+        "rest jitter %",
+        "after/undist.",
+        "motion %",
+        "GM",
+        "DM ms",
+        "level deg",
+        "added deg",
+    )
+    _numbers(table, heads)
+    for result in study.results:
+        design, row = result.design, result.row
+        table.add_row(
+            f"{design.family} ({design.budget_percent:g}){'' if design.feasible else ' *'}",
+            f"{row.rms_deg[0]:.2f}",
+            f"{row.max_deg[0]:.2f} [{row.max_deg[1]:.2f} - {row.max_deg[2]:.2f}]",
+            f"{row.jitter_percent:.4f} [{row.jitter_seeds[1]:.4f} - {row.jitter_seeds[2]:.4f}]",
+            f"{row.jitter_percent / max(row.undisturbed_percent, 1e-12):.2f}",
+            f"{row.motion_jitter_percent:.2f}",
+            f"{row.gain_margin:g}",
+            f"{row.delay_margin_ms:g}",
+            f"{row.levelling_deg[0]:.2f}",
+            f"{result.added_deg[0]:.3f}/{result.added_deg[1]:.3f}",
+        )
+    return table
+
+
+def tilts_table(study: Study) -> Table:
+    """Return the peak angle of base tilts by design."""
+    table = Table(title=f"peak angle while the base tilts in {TILT_S:g} s, deg (mean over both directions and seeds)")
+    table.add_column("filter (budget %)")
+    _numbers(table, tuple(f"{tilt:g} deg" for tilt in TILTS_DEG))
+    for result in study.results:
+        peaks = (f"{peak:.2f}" for peak in result.tilt_peaks_deg)
+        table.add_row(f"{result.design.family} ({result.design.budget_percent:g})", *peaks)
+    return table
+
+
+def fixed_table(study: Study) -> Table:
+    """Return what filters do when the controller stays the same."""
+    table = Table(title="the same controller for every filter: the residual hardly moves, the actuator gets quieter")
+    table.add_column("filter")
+    _numbers(table, ("rms deg", "max deg", "residual", "rest jitter %", "quieter"))
+    raw = study.fixed[0][1]
+    for name, row in study.fixed:
+        table.add_row(
+            name,
+            f"{row.rms_deg[0]:.3f}",
+            f"{row.max_deg[0]:.2f}",
+            f"{100.0 * (row.rms_deg[0] / raw.rms_deg[0] - 1.0):+.1f} %",
+            f"{row.jitter_percent:.4f}",
+            f"{raw.jitter_percent / max(row.jitter_percent, 1e-12):.1f}x",
+        )
+    return table

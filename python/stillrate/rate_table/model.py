@@ -1,0 +1,373 @@
+"""The error model: fitted from a rate-table log, kept in a file that a person can read, applied to rates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stillrate import _native
+from stillrate.errors import LogError
+
+Floats = npt.NDArray[np.float64]
+
+MAX_BYTES = 65_536
+"""No model file is larger."""
+
+
+def as_floats(values: npt.ArrayLike, name: str) -> Floats:
+    """Return one-dimensional contiguous double precision; masked samples become NaN."""
+    if isinstance(values, np.ma.MaskedArray):
+        values = values.astype(np.float64).filled(np.nan)
+    array = np.ascontiguousarray(values, dtype=np.float64)
+    if array.ndim != 1:
+        raise LogError(f"{name} has {array.ndim} dimensions (must have 1)")
+    return array
+
+
+def refusals(call: Any, *arguments: Any) -> Any:
+    """Call native code and turn its refusal into LogError."""
+    try:
+        return call(*arguments)
+    except ValueError as error:
+        raise LogError(str(error)) from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """How one class of curves did.
+
+    Attributes
+    ----------
+    name : str
+        "offset", "line", "quadratic", "cubic" or a line with a small network.
+    held_out_dps : float
+        RMS error of predicting each rate from the others, deg/s; NaN if it could not be fitted.
+    residual_dps : float
+        RMS error on the points it was fitted to, deg/s.
+    steepest_slope : float
+        Largest magnitude of the error's slope in the rate.
+    refused : str or None
+        Why it was not allowed to win.
+    """
+
+    name: str
+    held_out_dps: float
+    residual_dps: float
+    steepest_slope: float
+    refused: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibration:
+    """The points behind a model and the candidates it was chosen from. All arrays have shape (points,), in deg/s."""
+
+    rate_dps: Floats
+    temperature_c: Floats
+    error_dps: Floats
+    standard_error_dps: Floats
+    residual_dps: Floats
+    samples: Floats
+    candidates: tuple[Candidate, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """RMS error before and after correction.
+
+    Attributes
+    ----------
+    raw_dps, corrected_dps : float
+        RMS of measured (corrected) less true rate, deg/s. For noisy samples both are dominated by the noise.
+    ratio : float
+        corrected over raw: above 1 the correction does harm.
+    out_of_range : float
+        Share of samples outside the calibrated range, where the edge value was held.
+    held_out : bool
+        Whether the figures come from rates that were left out of the fit.
+    """
+
+    raw_dps: float
+    corrected_dps: float
+    ratio: float
+    out_of_range: float
+    held_out: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErrorModel:
+    """Error of a gyro over its rate (and temperature), with the range it was calibrated on.
+
+    Outside the calibrated range the value at the edge is held; `outside` says where.
+
+    Attributes
+    ----------
+    kind : str
+        Which class of curves it is.
+    low_dps, high_dps : float
+        Calibrated range of the rate.
+    temperature_range_c : tuple of float or None
+        Calibrated range of the temperature, if it is an input.
+    held_out_dps : float
+        RMS error at rates left out of the fit.
+    uncorrected_dps : float
+        RMS error that subtracting nothing leaves at the same points.
+    rates : int
+        Distinct rates behind the fit.
+    sample_rate_hz : float or None
+        Sample rate of the calibration log.
+    slope_limit : float
+        Steepest slope that was allowed.
+    calibration : Calibration or None
+        Points and candidates; not kept in the file.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> true = np.repeat(np.arange(-6.0, 7.0), 400)
+    >>> rate = 1.002 * true + 0.03 + 0.01 * np.sin(np.arange(true.size) * 2.4)
+    >>> model = fit(rate, true)
+    >>> bool(abs(model.predict([5.0])[0] - 0.04) < 1e-3)
+    True
+    """
+
+    kind: str
+    low_dps: float
+    high_dps: float
+    temperature_range_c: tuple[float, float] | None
+    held_out_dps: float
+    uncorrected_dps: float
+    rates: int
+    sample_rate_hz: float | None
+    slope_limit: float
+    native: Any = field(repr=False, compare=False)
+    calibration: Calibration | None = field(default=None, repr=False, compare=False)
+
+    def predict(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> Floats:
+        """Return the error at true rates.
+
+        Parameters
+        ----------
+        rate_dps : array_like, shape (n,)
+            True rates, deg/s.
+        temperature_c : array_like, shape (n,), optional
+            Needed if the model was calibrated with it.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Error in deg/s: measured = true + error + noise.
+        """
+        return self._map("error", rate_dps, temperature_c)[0]
+
+    def correct(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> Floats:
+        """Return measured rates less their error; NaN stays NaN. Filter first: the error is best taken at the filtered rate."""
+        return self._map("correct", rate_dps, temperature_c)[0]
+
+    def outside(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> npt.NDArray[np.bool_]:
+        """Return where rates lie outside the calibrated range."""
+        result: npt.NDArray[np.bool_] = self._map("error", rate_dps, temperature_c)[1]
+        return result
+
+    def slope(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> Floats:
+        """Return the slope of the error in the rate; 0 outside the calibrated range."""
+        return self._map("slope", rate_dps, temperature_c)[0]
+
+    def steepest_slope(self) -> float:
+        """Return the largest magnitude of the slope in the calibrated range."""
+        return float(self.native.steepest())
+
+    def check(self, slope_limit: float | None = None) -> None:
+        """Raise LogError if the curve is too steep to be a sensor's: it then draws the rates it was trained at."""
+        refusals(self.native.guard, self.slope_limit if slope_limit is None else slope_limit)
+
+    def score(
+        self,
+        rate_dps: npt.ArrayLike | None = None,
+        true_dps: npt.ArrayLike | None = None,
+        temperature_c: npt.ArrayLike | None = None,
+    ) -> Score:
+        """Return how much the correction helps on a log, or on the left-out rates of the fit if no log is given."""
+        if rate_dps is None or true_dps is None:
+            raw, corrected = self.uncorrected_dps, self.held_out_dps
+            return Score(
+                raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=0.0, held_out=True
+            )
+        measured, true = as_floats(rate_dps, "rate_dps"), as_floats(true_dps, "true_dps")
+        if measured.size != true.size:
+            raise LogError(f"{true.size} true rates for {measured.size} measured ones (must be as many)")
+        temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c")
+        raw, corrected, share = refusals(self.native.score, measured, true, temperature)
+        return Score(
+            raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=share, held_out=False
+        )
+
+    def save(self, path: str | Path, *, force: bool = False) -> None:
+        """Write the model as JSON with version and checksum.
+
+        Raises
+        ------
+        FileExistsError
+            If the file exists and `force` is not set.
+        """
+        from stillrate.io.safely import atomic
+
+        with atomic(Path(path), force=force) as temporary:
+            temporary.write_text(self.native.to_text(), encoding="utf-8")
+
+    @classmethod
+    def load(cls, path: str | Path) -> ErrorModel:
+        """Read a model file; refused unless version, counts, ranges, slope and checksum fit.
+
+        Raises
+        ------
+        LogError
+            With the reason.
+        """
+        path = Path(path)
+        if path.stat().st_size > MAX_BYTES:
+            raise LogError(f"{path}: {path.stat().st_size} bytes (a model has at most {MAX_BYTES})")
+        try:
+            return cls.from_native(_native.RateTableModel.from_text(path.read_text(encoding="utf-8")))
+        except ValueError as error:
+            raise LogError(f"{path}: {error}") from None
+
+    @classmethod
+    def from_native(cls, native: Any, calibration: Calibration | None = None) -> ErrorModel:
+        """Wrap a compiled model."""
+        facts = native.facts()
+        low, high = facts["low"], facts["high"]
+        return cls(
+            kind=facts["kind"],
+            low_dps=low[0],
+            high_dps=high[0],
+            temperature_range_c=(low[1], high[1]) if facts["needs_temperature"] else None,
+            held_out_dps=facts["held_out_dps"],
+            uncorrected_dps=facts["uncorrected_dps"],
+            rates=facts["rates"],
+            sample_rate_hz=facts["sample_rate_hz"],
+            slope_limit=facts["slope_limit"],
+            native=native,
+            calibration=calibration,
+        )
+
+    def _map(self, what: str, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None) -> Any:
+        rates = as_floats(np.atleast_1d(rate_dps), "rate_dps")
+        temperature = None
+        if temperature_c is not None:
+            temperature = as_floats(np.broadcast_to(temperature_c, rates.shape), "temperature_c")
+        return refusals(getattr(self.native, what), rates, temperature)
+
+
+def plateaus(
+    rate_dps: npt.ArrayLike, table_rates_dps: Sequence[float], sample_rate_hz: float
+) -> list[tuple[int, int, float]]:
+    """Find the segments of a log in which the table stood at one of its rates.
+
+    Returns
+    -------
+    list of (first, end, rate_dps)
+        First sample, one past the last, and the table's rate.
+    """
+    found: list[tuple[int, int, float]] = refusals(
+        _native.rate_table_plateaus, as_floats(rate_dps, "rate_dps"), list(table_rates_dps), sample_rate_hz
+    )
+    return found
+
+
+def fit(
+    rate_dps: npt.ArrayLike,
+    true_dps: npt.ArrayLike,
+    temperature_c: npt.ArrayLike | None = None,
+    *,
+    segments: Sequence[tuple[int, int]] | None = None,
+    sample_rate_hz: float | None = None,
+    candidates: Sequence[str] | None = None,
+    slope_limit: float = 0.1,
+    seed: int = 1,
+) -> ErrorModel:
+    """Fit the error of a gyro over its rate from a rate-table log.
+
+    The true rate (never the noisy measured one) is the regressor; offset, line, polynomials and small networks compete by
+    predicting rates left out of the fit.
+
+    Parameters
+    ----------
+    rate_dps : array_like, shape (n,)
+        Measured rate; NaN where missing.
+    true_dps : array_like, shape (n,) or (rates,)
+        True rate at each sample; or the rates the table was set to, with `sample_rate_hz`: the segments are then found in
+        the log. A true rate that never stands still (an encoder) is averaged in cells.
+    temperature_c : array_like, shape (n,), optional
+        Temperature at each sample; becomes an input. Give it if the unit drifts with temperature.
+    segments : sequence of (first, end), optional
+        Samples to average, instead of finding them.
+    sample_rate_hz : float, optional
+    candidates : sequence of str, optional
+        Some of "offset", "line", "quadratic", "cubic", "network".
+    slope_limit : float, optional
+        Curves steeper than this are refused.
+    seed : int, optional
+        Of the networks' starts.
+
+    Raises
+    ------
+    LogError
+        If the log does not support a model: too few samples or rates, no noise, wrong unit or sign, ...
+
+    References
+    ----------
+    Leave-one-rate-out and guards: section 6 of the project's specification of the rate-table error model.
+    """
+    measured, true = as_floats(rate_dps, "rate_dps"), as_floats(true_dps, "true_dps")
+    temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c")
+    spans = None if segments is None else [(int(first), int(end)) for first, end in segments]
+    if true.size != measured.size and sample_rate_hz is not None and spans is None:
+        found = plateaus(measured, [float(rate) for rate in true], sample_rate_hz)
+        spans = [(first, end) for first, end, _ in found]
+        true = np.full(measured.size, np.nan)
+        for first, end, rate in found:
+            true[first:end] = rate
+    names = None if candidates is None else list(candidates)
+    made = refusals(_native.rate_table_fit, measured, true, temperature, spans, names, slope_limit, seed)
+    return _finished(made, sample_rate_hz)
+
+
+def fit_points(
+    rate_dps: npt.ArrayLike,
+    error_dps: npt.ArrayLike,
+    standard_error_dps: npt.ArrayLike,
+    temperature_c: npt.ArrayLike | None = None,
+    *,
+    candidates: Sequence[str] | None = None,
+    slope_limit: float = 0.1,
+    seed: int = 1,
+) -> ErrorModel:
+    """Fit averaged calibration points: true rate, mean error and its standard error, all in deg/s."""
+    columns = [as_floats(values, name).tolist() for values, name in (
+        (rate_dps, "rate_dps"), (error_dps, "error_dps"), (standard_error_dps, "standard_error_dps"))]
+    temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c").tolist()
+    names = None if candidates is None else list(candidates)
+    made = refusals(_native.rate_table_fit_points, *columns, temperature, names, slope_limit, seed)
+    return _finished(made, None)
+
+
+def _finished(made: dict[str, Any], sample_rate_hz: float | None) -> ErrorModel:
+    native = made["model"] if sample_rate_hz is None else made["model"].with_sample_rate(sample_rate_hz)
+    calibration = Calibration(
+        rate_dps=made["rate"],
+        temperature_c=made["temperature"],
+        error_dps=made["error"],
+        standard_error_dps=made["standard_error"],
+        residual_dps=made["residual"],
+        samples=made["samples"],
+        candidates=tuple(
+            Candidate(name=name, held_out_dps=held_out, residual_dps=residual, steepest_slope=slope, refused=refused)
+            for name, held_out, residual, slope, refused in made["scores"]
+        ),
+    )
+    return ErrorModel.from_native(native, calibration)

@@ -1,0 +1,196 @@
+"""The gimbal calibration study again: four initial conditions, every method, and which published claims hold.
+
+Truth is drawn as the reconstruction of DOI 10.3873/j.issn.1000-1328.2017.06.009 says (uniform 0.3 to 1 times the scale, random signs), on
+the exact model; the published coefficients and trajectory are not known. Starts: (1) zero, (2) half the truth, (3) truth times
+1 + N(0,1), all on the same noise of 1e-6 m/s^2; (4) zero with 1e-4 m/s^2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stillrate import _native
+from stillrate.gimbal import Head
+
+METHODS = {
+    "recursive Gauss-Newton": ("relinearised", "model"),
+    "on-line, second order": ("on-line", "model"),
+    "two-loop, two-stage": ("two-stage", "commanded"),
+    "two-loop, cascade": ("two-loop", "commanded"),
+    "first-order single loop": ("first-order", "commanded"),
+    "published two-loop, literal": ("literal", "commanded"),
+}
+CASES = {
+    "(1) zero": ("zero", 1e-6),
+    "(2) half": ("half", 1e-6),
+    "(3) scattered": ("scattered", 1e-6),
+    "(4) 100x noise": ("zero", 1e-4),
+}
+COLUMNS = ("case", "method", "other %", "max", "kappa %", "max", "t(1 %) s", "t(0.2 %) s", "t(0.05 %) s", "error/bound", "NEES/n")
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One line of the table: medians and maxima over the draws.
+
+    Attributes
+    ----------
+    case, method : str
+    other, other_max : float
+        Largest relative error of all coefficients but kappa, per cent.
+    kappa, kappa_max : float
+        Error of kappa over the mean size of the three kgI, per cent.
+    settling_s : tuple of float
+        Median time after which "other" stays below 1, 0.2 and 0.05 %; inf where more than half the draws never do.
+    settled : int
+        Draws that stay below 0.05 %.
+    over_bound : float
+        Root mean square of error over the Cramer-Rao bound.
+    normalised_error : float
+        Mean of e^T J^T J e / n; 1 at the bound.
+    """
+
+    case: str
+    method: str
+    other: float
+    other_max: float
+    kappa: float
+    kappa_max: float
+    settling_s: tuple[float, float, float]
+    settled: int
+    over_bound: float
+    normalised_error: float
+
+    def cells(self) -> list[str]:
+        """Return the line as words."""
+        numbers = [self.other, self.other_max, self.kappa, self.kappa_max]
+        times = ["never" if math.isinf(t) else f"{t:.0f}" for t in self.settling_s]
+        tail = [f"{self.over_bound:.3g}", f"{self.normalised_error:.3g}"]
+        return [self.case, self.method, *(f"{x:.3g}" for x in numbers), *times, *tail]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One published claim and what came out here."""
+
+    claim: str
+    verdict: str
+    holds: bool
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """All lines and claims; `columns` are the heads of `Summary.cells`."""
+
+    draws: int
+    columns: tuple[str, ...]
+    lines: tuple[Summary, ...]
+    start_spread_sigma: float
+    claims: tuple[Claim, ...]
+
+
+def _summary(case: str, method: str, draws: list[dict[str, Any]]) -> Summary:
+    def column(name: str) -> np.ndarray:
+        return np.array([draw[name] for draw in draws], dtype=float)
+
+    times = np.array([[math.inf if t is None else t for t in draw["settling_s"]] for draw in draws])
+    other, kappa = 100 * column("other"), 100 * column("kappa")
+    middle = np.sort(times, axis=0)[len(draws) // 2]
+    return Summary(
+        case=case,
+        method=method,
+        other=float(np.median(other)),
+        other_max=float(other.max()),
+        kappa=float(np.median(kappa)),
+        kappa_max=float(kappa.max()),
+        settling_s=(float(middle[0]), float(middle[1]), float(middle[2])),
+        settled=int(np.isfinite(times[:, 2]).sum()),
+        over_bound=float(np.sqrt(np.mean(column("over_bound") ** 2))),
+        normalised_error=float(np.mean(column("normalised_error"))),
+    )
+
+
+def reproduce(draws: int = 20, seed: int = 1001) -> Reproduction:
+    """Run the study.
+
+    Parameters
+    ----------
+    draws : int
+        Draws of coefficients and noise, the same for all methods.
+    seed : int
+        Seed of the first draw; the others follow.
+    """
+    if draws < 1:
+        raise ValueError(f"draws = {draws} (must be 1 or more)")
+    seeds = [seed + i for i in range(draws)]
+    lines: list[Summary] = []
+    recommended: dict[str, list[dict[str, Any]]] = {}
+    for case, (start, sigma) in CASES.items():
+        for name, (method, reference) in METHODS.items():
+            head = Head(reference=reference, every=1)  # type: ignore[arg-type]
+            found = _native.gimbal_study(method, start, seeds, {"sigma_m_s2": sigma}, head.settings())
+            lines.append(_summary(case, name, found))
+            if method == "relinearised":
+                recommended[case] = found
+    large = []
+    for name in ("recursive Gauss-Newton", "on-line, second order", "first-order single loop"):
+        method, reference = METHODS[name]
+        settings = Head(reference=reference, every=1).settings()  # type: ignore[arg-type]
+        found = _native.gimbal_study(method, "zero", seeds, {"gyro_factor": 10.0, "gyro_scale": 10.0}, settings)
+        large.append(_summary("(1) drifts x10", name, found))
+    spread = _spread(recommended)
+    return Reproduction(draws, COLUMNS, (*lines, *large), spread, _claims(lines, large, spread, draws))
+
+
+def _spread(found: dict[str, list[dict[str, Any]]]) -> float:
+    """Return the largest difference between the starts on the same noise, in standard deviations."""
+    worst = 0.0
+    first = found["(1) zero"]
+    for case in ("(2) half", "(3) scattered"):
+        for a, b in zip(first, found[case], strict=True):
+            deviation = np.array(b["deviation"])
+            use = deviation > 0
+            use[:3] = False
+            difference = abs(np.array(a["coefficients"]) - np.array(b["coefficients"]))
+            worst = max(worst, float((difference[use] / deviation[use]).max()))
+    return worst
+
+
+def _claims(lines: list[Summary], large: list[Summary], spread: float, draws: int) -> tuple[Claim, ...]:
+    of = {(line.case, line.method): line for line in lines}
+    best, single = of["(1) zero", "recursive Gauss-Newton"], of["(1) zero", "first-order single loop"]
+    loops, literal = of["(1) zero", "two-loop, two-stage"], of["(1) zero", "published two-loop, literal"]
+    noisy, big = of["(4) 100x noise", "recursive Gauss-Newton"], large[0]
+    return (
+        Claim(
+            "all coefficients within 0.05 % after 900 s",
+            f"drifts of 0.03-0.1 deg/h: {best.settled} of {draws} draws, worst {best.other_max:.3g} % (the bound forbids it); "
+            f"ten times larger: {big.settled} of {draws}, worst {big.other_max:.2g} %, kappa aside",
+            best.settled == draws,
+        ),
+        Claim("insensitive to the start", f"recursive Gauss-Newton: starts differ by {spread:.2g} sigma at most", spread < 0.02),
+        Claim(
+            "two loops are faster than one",
+            f"1 % after {loops.settling_s[0]:.0f} s (two-stage) against {best.settling_s[0]:.0f} s (joint)",
+            loops.settling_s[0] < best.settling_s[0],
+        ),
+        Claim(
+            "the published two loops converge",
+            f"taken literally: median error {literal.other:.3g} % (equations (19)-(29) are missing from our text)",
+            literal.other < 1.0,
+        ),
+        Claim(
+            "a single loop reaches only 0.1-1 %",
+            f"first-order model: {single.other:.2g} %; exact model, same single loop: {best.other:.2g} %",
+            best.other > 0.1,
+        ),
+        Claim(
+            "100 times the noise does not matter",
+            f"error {noisy.other:.3g} % against {best.other:.2g} %; limited by the bound (error/bound {noisy.over_bound:.2f})",
+            noisy.other < 2.0 * best.other,
+        ),
+    )

@@ -1,0 +1,207 @@
+"""``reproduce rate-table``: the published table 3, and what its methods do on motion they have not seen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from stillrate import _native
+
+PUBLISHED_MSE = {
+    "raw": (2.5e-2, 2.8e-2),
+    "published network + QPSO-KF": (2.9e-8, 3.6e-6),
+    "QPSO-KF": (9.6e-4, 1.9e-3),
+    "BP-KF (stand-in)": (1.9e-3, 3.2e-3),
+}
+"""Smallest and largest published mean squared error of the six records, (deg/s)^2."""
+
+CONCLUSION = (
+    "The published accuracy belongs to six rates and not to the gyro. A 1-10-1 network that regresses the error on the "
+    "noisy measured rate learns to answer with the nearest of the six rates it was trained at (the staircase), so its error "
+    "on those rates vanishes and on every other motion it is several times worse than no correction at all. No unbiased filter can reach "
+    "such figures: they are below the mean of the whole record. What helps is modest and real: a smooth curve fitted to the "
+    "true rate and chosen on rates left out, behind a filter whose noise was tuned on moving records; nearly all of the gain "
+    "is the filter's, and on jumps only the bank of models (IMM) keeps it."
+)
+
+
+def reproduce(folder: Path | None = None, *, seeds: int = 4, units: int = 10, epochs: int = 300) -> str:
+    """Run the study and return it as text; with a folder, write the text and two pictures there.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        Where `rate_table.md`, `rate_table_staircase.svg` and `rate_table_motions.svg` go.
+    seeds : int
+        Data seeds of the published table.
+    units : int
+        Simulated units of the comparison on held-out motion.
+    epochs : int
+        Most training epochs of the published network.
+    """
+    tables = [_native.rate_table_table3(0, seed, epochs) for seed in range(1, seeds + 1)]
+    studies = [_native.rate_table_study(unit, unit, epochs if unit == 1 else 0) for unit in range(1, units + 1)]
+    text = "\n\n".join([
+        "# Rate-table error model: the published table and held-out motion",
+        _table3(tables), _orderings(tables), _held_out(studies), CONCLUSION,
+    ]) + "\n"
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "rate_table.md").write_text(text, encoding="utf-8")
+        _staircase(folder / "rate_table_staircase.svg", tables[0])
+        _motions(folder / "rate_table_motions.svg", studies)
+    return text
+
+
+def _by_method(tables: list[dict[str, Any]]) -> dict[str, list[float]]:
+    """Collect the mean squared errors of each method over seeds and records, in a fixed order."""
+    found: dict[str, list[float]] = {}
+    for table in tables:
+        for method, mse, _ in table["rows"]:
+            found.setdefault(method, []).extend(mse)
+    return found
+
+
+def _table3(tables: list[dict[str, Any]]) -> str:
+    lines = [
+        "## Six constant rates, each method trained or tuned with the truth of the very records it is scored on",
+        "",
+        "MSE in (deg/s)^2; MAE/RMS is 0.80 for Gaussian errors and 1 for a constant offset.",
+        "",
+        f"| method | MSE median [min, max], {len(tables)} seeds x 6 records | MAE/RMS median | published |",
+        "|---|---|---|---|",
+    ]
+    for method, values in _by_method(tables).items():
+        shapes = [a / m**0.5 for table in tables for name, mse, mae in table["rows"] if name == method
+                  for m, a in zip(mse, mae, strict=True)]
+        low_high = PUBLISHED_MSE.get(method)
+        published = "-" if low_high is None else f"{low_high[0]:.1e} .. {low_high[1]:.1e}"
+        lines.append(
+            f"| {method} | {median(values):.1e} [{min(values):.1e}, {max(values):.1e}] | {median(shapes):.2f} | {published} |"
+        )
+    lines.append("| VMD + wavelet threshold | in `benches/rate_table_baselines.py` | - | 1.5e-03 .. 2.7e-03 |")
+    return "\n".join(lines)
+
+
+def _orderings(tables: list[dict[str, Any]]) -> str:
+    """Say which published orderings appear and which do not."""
+    values = _by_method(tables)
+    count = len(values["raw"])
+
+    def below(first: str, second: str) -> int:
+        return sum(a < b for a, b in zip(values[first], values[second], strict=True))
+
+    return "\n".join([
+        "Orderings:",
+        "",
+        f"- published network + KF below QPSO-KF: {below('published network + QPSO-KF', 'QPSO-KF')} of {count}",
+        f"- QPSO-KF below BP-KF: {below('QPSO-KF', 'BP-KF (stand-in)')} of {count} (never by much)",
+        f"- everything below raw: {min(below(name, 'raw') for name in values if name != 'raw')} of {count} at worst",
+        "- published QPSO-KF below VMD below BP-KF: VMD is compared in `benches/rate_table_baselines.py`; the publication does "
+        "not define BP-KF, the stand-in maps two statistics of a record to Q/R.",
+        *_levels(values),
+    ])
+
+
+def _levels(values: dict[str, list[float]]) -> list[str]:
+    """Say of which methods the median lies outside the published range."""
+    lines = []
+    for method, (low, high) in PUBLISHED_MSE.items():
+        middle = median(values[method])
+        if not low <= middle <= high:
+            side = "below" if middle < low else "above"
+            lines.append(f"- level not reproduced: {method}, median {middle:.1e} lies {side} the published {low:.1e} .. {high:.1e}")
+    if any("QPSO-KF" in line for line in lines):
+        lines.append(
+            "  (the swarm is not stopped at 1e-5 here, a rule that its first, random particles already meet; level and drift of "
+            "the simulated unit were read off the published table, so only orderings and the collapse are findings)"
+        )
+    return lines
+
+
+def _held_out(studies: list[dict[str, Any]]) -> str:
+    motions, jumps = _native.rate_table_motions()
+    methods = [row[0] for row in studies[0]["rows"]]
+    lines = [
+        f"## Held-out motion, {len(studies)} units, 2 kHz, deg/s RMS over units",
+        "",
+        "Calibrated on 13 rates of 10 s; noise tuned on other motions; test noise of its own. The published network is shown for unit 1.",
+        "",
+        "| method | " + " | ".join(["in range", "over raw", "worst motion over raw", *_SHORT, *jumps, "outside"]) + " |",
+        "|" + "---|" * (len(_SHORT) + len(jumps) + 5),
+    ]
+    for method in methods:
+        rows = [(s, r) for s in studies for r in s["rows"] if r[0] == method]
+        raws = [next(r for r in s["rows"] if r[0] == "raw") for s, _ in rows]
+        overall = _pool(r[1] for _, r in rows)
+        worst = max(a / b for (_, r), raw in zip(rows, raws, strict=True) for a, b in zip(r[2], raw[2], strict=True))
+        cells = [overall, overall / _pool(raw[1] for raw in raws), worst]
+        cells += [_pool(r[2][motions.index(name)] for _, r in rows) for name in _SHORT.values()]
+        cells += [_pool(r[3][k] for _, r in rows) for k in range(len(jumps))]
+        cells.append(_pool(r[4] for _, r in rows))
+        lines.append(f"| {method} | " + " | ".join(f"{cell:.3f}" for cell in cells) + " |")
+    lines += ["", _bank(studies), "", _tuning(studies)]
+    return "\n".join(lines)
+
+
+_SHORT = {"constant 0": "constant 0", "ramp": "ramp -6..6 in 10 s", "sine 0.1": "sine 4, 0.1 Hz",
+          "sine 0.5": "sine 4, 0.5 Hz", "sine 1": "sine 4, 1 Hz", "sine 2": "sine 4, 2 Hz"}
+
+
+def _pool(values: Any) -> float:
+    return float(np.sqrt(np.mean(np.square(list(values)))))
+
+
+def _bank(studies: list[dict[str, Any]]) -> str:
+    """Compare the bank with the better of the two honest small filters on every motion of every unit."""
+    worst = 0.0
+    for study in studies:
+        rows = {row[0]: [*row[2], *row[3]] for row in study["rows"]}
+        small = [rows["calibration + KF, innovations on motion"], rows["two-state KF, innovations, then calibration"],
+                 rows["calibration + KF, truth on motion"], rows["two-state KF, truth, then calibration"]]
+        bank = rows["IMM bank, innovations, then calibration"]
+        worst = max(worst, *(b / min(s) for b, s in zip(bank, zip(*small, strict=True), strict=True)))
+    return f"IMM bank over the best small filter tuned on motion, worst of all motions and units (jumps included): {worst:.2f}."
+
+
+def _tuning(studies: list[dict[str, Any]]) -> str:
+    gaps = [[abs(s["blind"][k] - s["seen"][k]) for s in studies] for k in (0, 1)]
+    still = [s["on_constants"][0] for s in studies]
+    return (
+        "Innovations against truth, log10(Q/R) on the moving records: at most "
+        f"{max(gaps[0]):.2f} decades apart (random walk), {max(gaps[1]):.2f} (two states). On constant records the innovations "
+        f"give {median(still):.1f} instead of {median(s['blind'][0] for s in studies):.1f}, and a warning: "
+        f"{sum(bool(s['warned']) for s in studies)} of {len(studies)}."
+    )
+
+
+def _staircase(path: Path, table: dict[str, Any]) -> None:
+    """Draw what the published network answers to a noise-free rate."""
+    from stillrate.rate_table.drawing import Line, draw
+
+    x = table["staircase_input"]
+    draw(
+        path, "What the published network answers", "true rate, deg/s", "corrected rate, deg/s",
+        [Line("a perfect sensor", x, x, "#999999"), Line("published 1-10-1 network", x, table["staircase_output"], "#c0392b")],
+    )
+
+
+def _motions(path: Path, studies: list[dict[str, Any]]) -> None:
+    """Draw the RMS error of the main methods on each motion of unit 1."""
+    from stillrate.rate_table.drawing import Line, draw
+
+    motions, jumps = _native.rate_table_motions()
+    x = np.arange(float(len(motions) + len(jumps)))
+    colours = {
+        "raw": "#999999", "published network": "#c0392b", "calibration + KF, innovations on motion": "#2980b9",
+        "two-state KF, innovations, then calibration": "#8e44ad", "IMM bank, innovations, then calibration": "#27ae60",
+    }
+    rows = {row[0]: np.array([*row[2], *row[3]]) for row in studies[0]["rows"]}
+    draw(
+        path, "RMS error on held-out motion, unit 1", "", "deg/s",
+        [Line(name, x, rows[name], colour) for name, colour in colours.items() if name in rows],
+        ticks=[*motions, *jumps], logarithmic=True,
+    )
