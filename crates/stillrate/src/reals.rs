@@ -137,11 +137,12 @@ impl<U: Lanes, const N: usize> Lanes for [U; N] {
 /// ```
 #[macro_export]
 macro_rules! reals {
-    ($(#[$meta:meta])* $vis:vis struct $name:ident { $($(#[$fmeta:meta])* pub $field:ident : $type:ty),+ $(,)? }) => {
-        $(#[$meta])*
+    ($(#[doc = $about:literal])* $vis:vis struct $name:ident { $($(#[doc = $field_about:literal])* pub $field:ident : $type:ty),+ $(,)? }) => {
+        $(#[doc = $about])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[repr(C)]
-        $vis struct $name<T> { $($(#[$fmeta])* pub $field: $type),+ }
+        $vis struct $name<T> { $($(#[doc = $field_about])* pub $field: $type),+ }
+        $crate::outline! { $name [$($about),*] $($field [$($field_about),*])+ }
         impl<L: Copy, T: $crate::Reals<L>> $crate::Reals<L> for $name<T> {
             const COUNT: usize = 0 $(+ <$type as $crate::Reals<L>>::COUNT)+;
             #[inline(always)]

@@ -3,6 +3,7 @@
 //! With the fused rate x and acceleration a (wide rungs left out), mx follows x at half the pace, m0 the variance about it, m1 and m1r
 //! the mean square acceleration with the memory of the prior variances and of the frequency; omega = sqrt(m1r / m0).
 
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 
@@ -22,20 +23,20 @@ reals! {
     }
 }
 
-/// How the moments follow, in periods.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct FrequencyMemory<T> {
-    /// Memory of the frequency.
-    pub frequency_periods: T,
-    /// Memory of the prior variances.
-    pub variance_periods: T,
-    /// Smallest angular frequency, radians a period.
-    pub angle_min: T,
-    /// Largest angular frequency, radians a period.
-    pub angle_max: T,
-    /// Below this mean square rate the frequency is held.
-    pub rate_square_min: T,
+plain! {
+    /// How the moments follow, in periods.
+    pub struct FrequencyMemory<T> {
+        /// Memory of the frequency.
+        pub frequency_periods: T,
+        /// Memory of the prior variances.
+        pub variance_periods: T,
+        /// Smallest angular frequency, radians a period.
+        pub angle_min: T,
+        /// Largest angular frequency, radians a period.
+        pub angle_max: T,
+        /// Below this mean square rate the frequency is held.
+        pub rate_square_min: T,
+    }
 }
 
 impl<T: Real> MotionMoments<T> {

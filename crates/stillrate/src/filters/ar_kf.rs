@@ -10,6 +10,7 @@
 use crate::error::{ConfigError, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::noise::{GyroNoise, range};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
@@ -69,35 +70,35 @@ impl Settings for ArKfSettings {
     }
 }
 
-/// Kalman filter on a stationary autoregressive model of order 1 to 8; the first sample starts it.
-///
-/// A missing sample is predicted over. An irregular time step counts as the nearest whole number of sample periods (at least
-/// one, at most 64), because the coefficients are tied to the sample rate.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::ArKfSettings};
-/// let filter = ArKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
-/// let mut state = filter.start();
-/// for _ in 0..100 {
-///     filter.step(&mut state, Sample { value: 1.0, dt: 0.02 });
-/// }
-/// assert!((state.lags[0] * filter.unit - 0.566).abs() < 0.001); // the published preset is a plain gain
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct ArKf<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// phi_1, phi_2, ...; zero beyond the order.
-    pub coefficients: [T; HIGHEST_ORDER],
-    /// Q / R.
-    pub drive: T,
-    /// Square root of R, deg/s: the unit that the state is kept in.
-    pub unit: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Kalman filter on a stationary autoregressive model of order 1 to 8; the first sample starts it.
+    ///
+    /// A missing sample is predicted over. An irregular time step counts as the nearest whole number of sample periods (at least
+    /// one, at most 64), because the coefficients are tied to the sample rate.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::ArKfSettings};
+    /// let filter = ArKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for _ in 0..100 {
+    ///     filter.step(&mut state, Sample { value: 1.0, dt: 0.02 });
+    /// }
+    /// assert!((state.lags[0] * filter.unit - 0.566).abs() < 0.001); // the published preset is a plain gain
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct ArKf<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// phi_1, phi_2, ...; zero beyond the order.
+        pub coefficients: [T; HIGHEST_ORDER],
+        /// Q / R.
+        pub drive: T,
+        /// Square root of R, deg/s: the unit that the state is kept in.
+        pub unit: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

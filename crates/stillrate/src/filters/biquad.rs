@@ -9,6 +9,7 @@
 use crate::error::{ConfigError, between, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::noise::{GyroNoise, RANGE};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
@@ -44,31 +45,31 @@ impl Settings for BiquadSettings {
     }
 }
 
-/// Second-order low-pass; starts in the steady state of its first sample and holds its output over missing ones.
-///
-/// A time step that differs from the nominal one gets its own coefficients, with the cut-off kept below half the rate.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, Sample, filters::Biquad};
-/// let filter = Biquad::<f64>::new(1000.0, 20.0, core::f64::consts::FRAC_1_SQRT_2)?;
-/// let mut state = filter.start();
-/// assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.001 }).rate, 3.0);
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct Biquad<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// pi times the cut-off, rad/s.
-    pub half_corner_rad_s: T,
-    /// 1 / quality.
-    pub damping: T,
-    /// Gains of the loop at the nominal period.
-    pub gains: [T; 3],
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Second-order low-pass; starts in the steady state of its first sample and holds its output over missing ones.
+    ///
+    /// A time step that differs from the nominal one gets its own coefficients, with the cut-off kept below half the rate.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, Sample, filters::Biquad};
+    /// let filter = Biquad::<f64>::new(1000.0, 20.0, core::f64::consts::FRAC_1_SQRT_2)?;
+    /// let mut state = filter.start();
+    /// assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.001 }).rate, 3.0);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct Biquad<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// pi times the cut-off, rad/s.
+        pub half_corner_rad_s: T,
+        /// 1 / quality.
+        pub damping: T,
+        /// Gains of the loop at the nominal period.
+        pub gains: [T; 3],
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

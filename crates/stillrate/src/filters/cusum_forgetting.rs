@@ -10,6 +10,7 @@ use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::memory::{Memory, check_memory, tau_of, visit_memory};
 use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -78,40 +79,40 @@ impl Settings for CusumForgettingSettings {
     }
 }
 
-/// Recursive least squares, opened again where the innovations show a change.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, Flags, GyroNoise, Sample, Settings, filters::CusumForgettingSettings};
-/// let noise = GyroNoise::from_standard_deviation_at_rate(0.05, 200.0);
-/// let filter = CusumForgettingSettings::defaults(200.0, noise).build::<f64>()?;
-/// let mut state = filter.start();
-/// filter.step(&mut state, Sample { value: 0.0, dt: 0.005 });
-/// let estimate = filter.step(&mut state, Sample { value: 5.0, dt: 0.005 });
-/// assert!(estimate.flags.has(Flags::CHANGE));
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct CusumForgetting<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// 1 - lambda: what one nominal period takes off the weight of the past.
-    pub loss: T,
-    /// Memory, s.
-    pub tau_s: T,
-    /// Standard deviations that count as no change.
-    pub drift: T,
-    /// Sum at which a change is declared.
-    pub threshold: T,
-    /// Samples' worth of the past that survive a change.
-    pub samples_kept: T,
-    /// Standard deviation of one sample, deg/s.
-    pub sigma: T,
-    /// Its square.
-    pub sample_variance: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Recursive least squares, opened again where the innovations show a change.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, Flags, GyroNoise, Sample, Settings, filters::CusumForgettingSettings};
+    /// let noise = GyroNoise::from_standard_deviation_at_rate(0.05, 200.0);
+    /// let filter = CusumForgettingSettings::defaults(200.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// filter.step(&mut state, Sample { value: 0.0, dt: 0.005 });
+    /// let estimate = filter.step(&mut state, Sample { value: 5.0, dt: 0.005 });
+    /// assert!(estimate.flags.has(Flags::CHANGE));
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct CusumForgetting<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// 1 - lambda: what one nominal period takes off the weight of the past.
+        pub loss: T,
+        /// Memory, s.
+        pub tau_s: T,
+        /// Standard deviations that count as no change.
+        pub drift: T,
+        /// Sum at which a change is declared.
+        pub threshold: T,
+        /// Samples' worth of the past that survive a change.
+        pub samples_kept: T,
+        /// Standard deviation of one sample, deg/s.
+        pub sigma: T,
+        /// Its square.
+        pub sample_variance: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

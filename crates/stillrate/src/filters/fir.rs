@@ -13,6 +13,7 @@ use core::f64::consts::{PI, TAU};
 use crate::error::{ConfigError, between, not_negative, positive};
 use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 use crate::noise::{GyroNoise, range};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -151,36 +152,36 @@ fn window(kind: usize, k: f64, length: f64) -> f64 {
     }
 }
 
-/// Weighted mean of the last samples.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::FirLowPassSettings};
-/// let noise = GyroNoise::from_density_two_sided(0.01);
-/// let filter = FirLowPassSettings { length: 3.0, ..FirLowPassSettings::defaults(200.0, noise) }.build::<f64>()?;
-/// let mut state = filter.start();
-/// let mut last = 0.0;
-/// for value in [3.0, 3.0, 0.0] {
-///     last = filter.step(&mut state, Sample { value, dt: 0.005 }).rate;
-/// }
-/// assert!((last - 2.0).abs() < 1e-15);
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct FirLowPass<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// Taps, newest sample first, zeros after the last.
-    pub taps: [T; CAPACITY],
-    /// Rows of eight taps in use.
-    pub rows: T,
-    /// 1 where the register starts at zero instead of at the first sample.
-    pub from_zero: T,
-    /// Variance of the output, (deg/s)^2.
-    pub variance: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Weighted mean of the last samples.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::FirLowPassSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.01);
+    /// let filter = FirLowPassSettings { length: 3.0, ..FirLowPassSettings::defaults(200.0, noise) }.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// let mut last = 0.0;
+    /// for value in [3.0, 3.0, 0.0] {
+    ///     last = filter.step(&mut state, Sample { value, dt: 0.005 }).rate;
+    /// }
+    /// assert!((last - 2.0).abs() < 1e-15);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct FirLowPass<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// Taps, newest sample first, zeros after the last.
+        pub taps: [T; CAPACITY],
+        /// Rows of eight taps in use.
+        pub rows: T,
+        /// 1 where the register starts at zero instead of at the first sample.
+        pub from_zero: T,
+        /// Variance of the output, (deg/s)^2.
+        pub variance: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

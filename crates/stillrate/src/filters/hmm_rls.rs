@@ -15,6 +15,7 @@ use crate::filters::recursive::line::LineState;
 use crate::filters::recursive::memory::{Memory, check_memory, factor_of, visit_memory};
 use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -85,20 +86,20 @@ pub(crate) fn check_order(order: f64) -> Result<bool, ConfigError> {
     if order == 1.0 || order == 2.0 { Ok(order == 2.0) } else { Err(ConfigError::new("order", order, "", "1 or 2")) }
 }
 
-/// Order 1 on its own: the exponentially weighted mean.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct WeightedMean<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// 1 - lambda: what one nominal period takes off the weight of the past.
-    pub loss: T,
-    /// Memory, s.
-    pub tau_s: T,
-    /// Variance of one sample, (deg/s)^2.
-    pub sample_variance: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Order 1 on its own: the exponentially weighted mean.
+    pub struct WeightedMean<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// 1 - lambda: what one nominal period takes off the weight of the past.
+        pub loss: T,
+        /// Memory, s.
+        pub tau_s: T,
+        /// Variance of one sample, (deg/s)^2.
+        pub sample_variance: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 impl<T: Real> WeightedMean<T> {
@@ -156,28 +157,28 @@ impl<T: Real> Paced<T> for WeightedMean<T> {
     }
 }
 
-/// Exponentially weighted mean or line of all samples so far.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::RecursiveLeastSquaresSettings};
-/// let mut settings = RecursiveLeastSquaresSettings::defaults(200.0, GyroNoise::from_density_two_sided(0.01));
-/// settings.tau_s = f64::INFINITY; // forget nothing: the running mean
-/// settings.forgetting_factor = 1.0;
-/// let filter = settings.build::<f64>()?;
-/// let mut state = filter.start();
-/// let means: Vec<f64> =
-///     [1.0, 2.0, 6.0].map(|value| filter.step(&mut state, Sample { value, dt: 0.005 }).rate).to_vec();
-/// assert_eq!(means, [1.0, 1.5, 3.0]);
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct RecursiveLeastSquares<T> {
-    /// Order 1, and what order 2 has in common with it.
-    pub mean: WeightedMean<T>,
-    /// 1 or 2.
-    pub order: T,
+plain! {
+    /// Exponentially weighted mean or line of all samples so far.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::RecursiveLeastSquaresSettings};
+    /// let mut settings = RecursiveLeastSquaresSettings::defaults(200.0, GyroNoise::from_density_two_sided(0.01));
+    /// settings.tau_s = f64::INFINITY; // forget nothing: the running mean
+    /// settings.forgetting_factor = 1.0;
+    /// let filter = settings.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// let means: Vec<f64> =
+    ///     [1.0, 2.0, 6.0].map(|value| filter.step(&mut state, Sample { value, dt: 0.005 }).rate).to_vec();
+    /// assert_eq!(means, [1.0, 1.5, 3.0]);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct RecursiveLeastSquares<T> {
+        /// Order 1, and what order 2 has in common with it.
+        pub mean: WeightedMean<T>,
+        /// 1 or 2.
+        pub order: T,
+    }
 }
 
 reals! {

@@ -11,6 +11,7 @@
 use crate::error::{ConfigError, between, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::noise::{GyroNoise, range};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -54,33 +55,33 @@ impl Settings for LinearPredictionSettings {
     }
 }
 
-/// Forward linear prediction of order 16; the first sample starts it.
-///
-/// A missing sample is replaced by its prediction, from which nothing is learnt. An irregular time step counts as the nearest whole
-/// number of sample periods; those in between are predicted, 16 at most.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::LinearPredictionSettings};
-/// let settings = LinearPredictionSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
-/// let filter = settings.build::<f64>()?;
-/// let mut state = filter.start();
-/// for _ in 0..20 {
-///     assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.02 }).rate, 3.0);
-/// }
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct LinearPrediction<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// Step size mu.
-    pub step_size: T,
-    /// Standard deviation of the raw noise, deg/s: the unit that the state is kept in.
-    pub unit: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Forward linear prediction of order 16; the first sample starts it.
+    ///
+    /// A missing sample is replaced by its prediction, from which nothing is learnt. An irregular time step counts as the nearest whole
+    /// number of sample periods; those in between are predicted, 16 at most.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::LinearPredictionSettings};
+    /// let settings = LinearPredictionSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+    /// let filter = settings.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for _ in 0..20 {
+    ///     assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.02 }).rate, 3.0);
+    /// }
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct LinearPrediction<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// Step size mu.
+        pub step_size: T,
+        /// Standard deviation of the raw noise, deg/s: the unit that the state is kept in.
+        pub unit: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

@@ -16,6 +16,7 @@ use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::gaussian::{Gaussian2, Gaussian4};
 use crate::models::SingerCoefficients;
 use crate::models::oscillator::OscillatorStep;
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::reals::{Lane, Lanes};
@@ -33,88 +34,88 @@ const LACKING_FACTOR: f64 = 2.0;
 /// Share of the noise density (a variance times a second) in those variances and in the cap, so that they never vanish.
 pub(crate) const NOISE_SHARE: f64 = 1e-3;
 
-/// The recommended filter; build it from [`MsImmIkfSettings`](super::MsImmIkfSettings).
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::MsImmIkfSettings};
-/// let noise = GyroNoise::from_density_two_sided(0.015).with_rate_random_walk(0.003);
-/// let filter = MsImmIkfSettings::defaults(50.0, noise).build::<f64>()?;
-/// let mut state = filter.start();
-/// let mut worst: f64 = 0.0;
-/// for k in 0..1000 {
-///     let noise = if k % 2 == 0 { 0.1 } else { -0.1 };
-///     let estimate = filter.step(&mut state, Sample { value: 3.0 + noise, dt: 0.02 });
-///     if k > 500 {
-///         worst = worst.max((estimate.rate - 3.0).abs());
-///     }
-/// }
-/// assert!(worst < 0.01);
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct MsImmIkf<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// Variance R of a sample.
-    pub measurement_variance: T,
-    /// Share of the noise that keeps prior variances above zero, per unit angle.
-    pub noise_share: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
-    /// Variance of the random walk over a period.
-    pub walk_variance: T,
-    /// Variance of the acceleration that the random walk lacks.
-    pub missing_acceleration: T,
-    /// Variances of second and third derivative before the first sample.
-    pub start_variance: [T; 2],
-    /// Rungs in use.
-    pub rung_count: u32,
-    /// Oscillators in use.
-    pub oscillator_count: u32,
-    /// Process noise of each rung.
-    pub rung_intensity: [T; RUNGS],
-    /// 1 where a rung counts in the moments of the motion.
-    pub rung_counts_in: [T; RUNGS],
-    /// Process noise of each oscillator at unit angle.
-    pub oscillator_intensity: [T; OSCILLATORS],
-    /// Cap of 4.3a in units of the mean square acceleration.
-    pub derivative_cap: T,
-    /// How the moments of the motion are followed.
-    pub memory: FrequencyMemory<T>,
-    /// Manoeuvre frequency before anything is known, radians a period.
-    pub start_angle: T,
-    /// Samples between refreshes of the oscillators.
-    pub refresh_samples: T,
-    /// Prior probability of an outlier; 0 is off.
-    pub outlier_probability: T,
-    /// Full scale of the sensor.
-    pub saturation: T,
-    /// Dwell time of moving models in periods.
-    pub dwell_periods: T,
-    /// Dwell time of the random walk in periods.
-    pub rest_dwell_periods: T,
-    /// 1 / (number of models - 1).
-    pub share: T,
-    /// What follows from a step of one period.
-    pub nominal: Pace<T>,
+plain! {
+    /// The recommended filter; build it from [`MsImmIkfSettings`](super::MsImmIkfSettings).
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::MsImmIkfSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.015).with_rate_random_walk(0.003);
+    /// let filter = MsImmIkfSettings::defaults(50.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// let mut worst: f64 = 0.0;
+    /// for k in 0..1000 {
+    ///     let noise = if k % 2 == 0 { 0.1 } else { -0.1 };
+    ///     let estimate = filter.step(&mut state, Sample { value: 3.0 + noise, dt: 0.02 });
+    ///     if k > 500 {
+    ///         worst = worst.max((estimate.rate - 3.0).abs());
+    ///     }
+    /// }
+    /// assert!(worst < 0.01);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct MsImmIkf<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// Variance R of a sample.
+        pub measurement_variance: T,
+        /// Share of the noise that keeps prior variances above zero, per unit angle.
+        pub noise_share: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+        /// Variance of the random walk over a period.
+        pub walk_variance: T,
+        /// Variance of the acceleration that the random walk lacks.
+        pub missing_acceleration: T,
+        /// Variances of second and third derivative before the first sample.
+        pub start_variance: [T; 2],
+        /// Rungs in use.
+        pub rung_count: u32,
+        /// Oscillators in use.
+        pub oscillator_count: u32,
+        /// Process noise of each rung.
+        pub rung_intensity: [T; RUNGS],
+        /// 1 where a rung counts in the moments of the motion.
+        pub rung_counts_in: [T; RUNGS],
+        /// Process noise of each oscillator at unit angle.
+        pub oscillator_intensity: [T; OSCILLATORS],
+        /// Cap of 4.3a in units of the mean square acceleration.
+        pub derivative_cap: T,
+        /// How the moments of the motion are followed.
+        pub memory: FrequencyMemory<T>,
+        /// Manoeuvre frequency before anything is known, radians a period.
+        pub start_angle: T,
+        /// Samples between refreshes of the oscillators.
+        pub refresh_samples: T,
+        /// Prior probability of an outlier; 0 is off.
+        pub outlier_probability: T,
+        /// Full scale of the sensor.
+        pub saturation: T,
+        /// Dwell time of moving models in periods.
+        pub dwell_periods: T,
+        /// Dwell time of the random walk in periods.
+        pub rest_dwell_periods: T,
+        /// 1 / (number of models - 1).
+        pub share: T,
+        /// What follows from a step of one period.
+        pub nominal: Pace<T>,
+    }
 }
 
-/// What follows from the length of a step alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct Pace<T> {
-    /// Length in periods.
-    pub elapsed: T,
-    /// Coefficients shared by all rungs.
-    pub singer: SingerCoefficients<T>,
-    /// Probability of leaving a moving model.
-    pub leave: T,
-    /// Probability of leaving the random walk.
-    pub leave_rest: T,
-    /// Variance of the random walk over the step.
-    pub walk: T,
+plain! {
+    /// What follows from the length of a step alone.
+    pub struct Pace<T> {
+        /// Length in periods.
+        pub elapsed: T,
+        /// Coefficients shared by all rungs.
+        pub singer: SingerCoefficients<T>,
+        /// Probability of leaving a moving model.
+        pub leave: T,
+        /// Probability of leaving the random walk.
+        pub leave_rest: T,
+        /// Variance of the random walk over the step.
+        pub walk: T,
+    }
 }
 
 reals! {

@@ -13,6 +13,7 @@ use crate::gaussian::Gaussian3;
 use crate::imm::{interact, mix3, weigh2};
 use crate::kalman::{Reading, update3};
 use crate::models::modified_singer::{Parameter, alpha_of, predict_modified};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 
@@ -27,20 +28,20 @@ pub enum FadingGate {
     SecondModelWhileMoving,
 }
 
-/// One model of the pair.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct PaperModel<T> {
-    /// alpha (or its logarithm) at the start.
-    pub parameter: T,
-    /// sigma_m^2.
-    pub acceleration_variance: T,
-    /// R.
-    pub measurement_variance: T,
-    /// Density of the third state's random walk.
-    pub alpha_noise: T,
-    /// Variances of the three states at the first sample.
-    pub start_variance: [T; 3],
+plain! {
+    /// One model of the pair.
+    pub struct PaperModel<T> {
+        /// alpha (or its logarithm) at the start.
+        pub parameter: T,
+        /// sigma_m^2.
+        pub acceleration_variance: T,
+        /// R.
+        pub measurement_variance: T,
+        /// Density of the third state's random walk.
+        pub alpha_noise: T,
+        /// Variances of the three states at the first sample.
+        pub start_variance: [T; 3],
+    }
 }
 
 impl<T: Real> PaperModel<T> {
@@ -53,51 +54,55 @@ impl<T: Real> PaperModel<T> {
     };
 }
 
-/// The published filter; build it from [`MsImmIkfPaperSettings`](super::MsImmIkfPaperSettings).
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, Flags, GyroNoise, Sample, Settings, filters::MsImmIkfPaperSettings};
-/// let noise = GyroNoise::from_standard_deviation_at_rate(0.1074, 50.0);
-/// let filter = MsImmIkfPaperSettings::defaults(50.0, noise).build::<f64>()?;
-/// let mut state = filter.start();
-/// let estimate = filter.step(&mut state, Sample { value: 0.03, dt: 0.02 });
-/// assert!(estimate.rate.is_finite() && !estimate.flags.has(Flags::DIVERGED));
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MsImmIkfPaper<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// The two models.
-    pub model: [PaperModel<T>; 2],
-    /// Transition probabilities `[from][to]` a sample.
-    pub transition: [[T; 2]; 2],
-    /// The same while rest is declared.
-    pub static_transition: [[T; 2]; 2],
-    /// Probabilities before the first sample.
-    pub start_probability: [T; 2],
-    /// alpha3.
-    pub static_alpha: T,
-    /// Factor of the square in Delta.
-    pub fading_scale: T,
-    /// Forgetting factor of the windowed form.
-    pub fading_memory: T,
-    /// Softening of R in the windowed form.
-    pub fading_softening: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
-    /// Whether alpha is mixed.
-    pub shares_alpha: bool,
-    /// Whether lambda multiplies the third row and column.
-    pub fades_alpha: bool,
-    pub(crate) parameter: Parameter,
-    /// Whether and how lambda is computed.
-    pub form: FadingForm,
-    /// What Delta is made of.
-    pub source: FadingSource,
-    /// When lambda acts.
-    pub gate: FadingGate,
+plain! {
+    /// The published filter; build it from [`MsImmIkfPaperSettings`](super::MsImmIkfPaperSettings).
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, Flags, GyroNoise, Sample, Settings, filters::MsImmIkfPaperSettings};
+    /// let noise = GyroNoise::from_standard_deviation_at_rate(0.1074, 50.0);
+    /// let filter = MsImmIkfPaperSettings::defaults(50.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// let estimate = filter.step(&mut state, Sample { value: 0.03, dt: 0.02 });
+    /// assert!(estimate.rate.is_finite() && !estimate.flags.has(Flags::DIVERGED));
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct MsImmIkfPaper<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// The two models.
+        pub model: [PaperModel<T>; 2],
+        /// Transition probabilities `[from][to]` a sample.
+        pub transition: [[T; 2]; 2],
+        /// The same while rest is declared.
+        pub static_transition: [[T; 2]; 2],
+        /// Probabilities before the first sample.
+        pub start_probability: [T; 2],
+        /// alpha3.
+        pub static_alpha: T,
+        /// Factor of the square in Delta.
+        pub fading_scale: T,
+        /// Forgetting factor of the windowed form.
+        pub fading_memory: T,
+        /// Softening of R in the windowed form.
+        pub fading_softening: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+        /// 1 where alpha is mixed.
+        pub shares_alpha: u32,
+        /// 1 where lambda multiplies the third row and column.
+        pub fades_alpha: u32,
+        /// 1 where the Jacobian knows how the prediction depends on alpha.
+        pub exact_jacobian: u32,
+        /// 1 where the third state is the logarithm of alpha.
+        pub logarithmic: u32,
+        /// How lambda is computed: 0 not at all, 1 with |C|, else with C.
+        pub form: u32,
+        /// What Delta is made of: 0 the measurement, 1 the innovation, else its windowed mean square.
+        pub source: u32,
+        /// When lambda acts: 0 always, 1 while moving, else in the second model while moving.
+        pub gate: u32,
+    }
 }
 
 reals! {
@@ -115,6 +120,39 @@ reals! {
 }
 
 impl<T: Real> MsImmIkfPaper<T> {
+    /// The choices are stored as numbers, so that no bit pattern from another language can be invalid.
+    #[inline(always)]
+    fn parameter(&self) -> Parameter {
+        Parameter { exact_jacobian: self.exact_jacobian == 1, logarithmic: self.logarithmic == 1 }
+    }
+
+    #[inline(always)]
+    fn form(&self) -> FadingForm {
+        match self.form {
+            0 => FadingForm::None,
+            1 => FadingForm::Absolute,
+            _ => FadingForm::Signed,
+        }
+    }
+
+    #[inline(always)]
+    fn source(&self) -> FadingSource {
+        match self.source {
+            0 => FadingSource::Measurement,
+            1 => FadingSource::Innovation,
+            _ => FadingSource::Windowed,
+        }
+    }
+
+    #[inline(always)]
+    fn gate(&self) -> FadingGate {
+        match self.gate {
+            0 => FadingGate::Always,
+            1 => FadingGate::WhileMoving,
+            _ => FadingGate::SecondModelWhileMoving,
+        }
+    }
+
     fn start_at(&self, rate: T) -> MsImmIkfPaperState<T> {
         MsImmIkfPaperState {
             model: self.model.map(|model| Gaussian3 {
@@ -138,7 +176,7 @@ impl<T: Real> MsImmIkfPaper<T> {
     #[inline(always)]
     fn mix(&self, models: &[Gaussian3<T>; 2], weight: T, i: usize) -> Gaussian3<T> {
         let mixed = mix3(weight, &models[0], &models[1]);
-        if self.shares_alpha {
+        if self.shares_alpha == 1 {
             return mixed;
         }
         let own = &models[i];
@@ -151,7 +189,7 @@ impl<T: Real> MsImmIkfPaper<T> {
     /// Delta of the fading factor; the windowed form keeps its mean square in `window`.
     #[inline(always)]
     fn excess(&self, value: T, innovation: T, window: &mut T) -> T {
-        let square = match self.source {
+        let square = match self.source() {
             FadingSource::Measurement => value * value,
             FadingSource::Innovation => innovation * innovation,
             FadingSource::Windowed => {
@@ -167,7 +205,7 @@ impl<T: Real> MsImmIkfPaper<T> {
     /// The whole cycle with a usable time step; `present` says whether there is a value.
     #[inline(always)]
     fn cycle(&self, s: &mut MsImmIkfPaperState<T>, value: T, present: bool, dt: T) -> [ModelTrace<T>; 2] {
-        let alpha = |i: usize, models: &[Gaussian3<T>; 2]| alpha_of(models[i].mean[2], self.parameter, dt);
+        let alpha = |i: usize, models: &[Gaussian3<T>; 2]| alpha_of(models[i].mean[2], self.parameter(), dt);
         let mean_alpha = s.probability[0] * alpha(0, &s.model) + s.probability[1] * alpha(1, &s.model);
         let at_rest = mean_alpha <= self.static_alpha;
         let transition = if at_rest { &self.static_transition } else { &self.transition };
@@ -179,20 +217,20 @@ impl<T: Real> MsImmIkfPaper<T> {
             let model = &self.model[i];
             let mixed = self.mix(&models, weight[i], i);
             let prediction =
-                predict_modified(&mixed, self.parameter, model.acceleration_variance, model.alpha_noise, dt);
+                predict_modified(&mixed, self.parameter(), model.acceleration_variance, model.alpha_noise, dt);
             let delta = self.excess(value, value - prediction.mean[0], &mut s.window[i]);
-            let softened = match self.source {
+            let softened = match self.source() {
                 FadingSource::Windowed => self.fading_softening * model.measurement_variance,
                 _ => model.measurement_variance,
             };
-            let wanted = fading_factor(self.form, delta, prediction.carried[0], prediction.noise[0], softened);
-            let acts = match self.gate {
+            let wanted = fading_factor(self.form(), delta, prediction.carried[0], prediction.noise[0], softened);
+            let acts = match self.gate() {
                 FadingGate::Always => true,
                 FadingGate::WhileMoving => !at_rest,
                 FadingGate::SecondModelWhileMoving => !at_rest && i == 1,
             };
             let fading = T::select(present && acts, wanted, T::ONE);
-            let predicted = prediction.faded(fading, self.fades_alpha);
+            let predicted = prediction.faded(fading, self.fades_alpha == 1);
             let (updated, evidence) = update3(&predicted, &Reading::plain(value, model.measurement_variance));
             let kept = if present { updated } else { predicted };
             s.model[i] = Gaussian3 { mean: kept.mean.map(Real::flushed), covariance: kept.covariance };
@@ -203,7 +241,7 @@ impl<T: Real> MsImmIkfPaper<T> {
                 innovation: T::select(present, evidence.innovation, T::of(f64::NAN)),
                 innovation_variance: evidence.innovation_variance,
                 fading,
-                alpha: T::select(self.parameter.logarithmic, alpha(i, &s.model), s.model[i].mean[2]),
+                alpha: T::select(self.logarithmic == 1, alpha(i, &s.model), s.model[i].mean[2]),
                 rate: s.model[i].mean[0],
             };
         }

@@ -1,10 +1,8 @@
 //! Settings of the published MS-IMM-IKF: its modes and every choice that the paper leaves open.
 
-use super::ms_imm_ikf_paper::{FadingGate, MsImmIkfPaper, PaperModel};
+use super::ms_imm_ikf_paper::{MsImmIkfPaper, PaperModel};
 use super::singer_imm_kf::{probability_pair, singer_model, transition_matrix};
-use crate::adaptive::fading::{FadingForm, FadingSource};
 use crate::error::{ConfigError, not_negative, positive};
-use crate::models::modified_singer::Parameter;
 use crate::noise::{GyroNoise, RANGE_SIGMAS};
 use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -225,24 +223,13 @@ impl Settings for MsImmIkfPaperSettings {
             fading_memory: T::of(self.fading_memory),
             fading_softening: T::of(positive("fading_softening", self.fading_softening, "")?),
             limit: T::of(limit),
-            shares_alpha: self.alpha_mixing == 1,
-            fades_alpha: self.fading_scope == 1,
-            parameter: Parameter { exact_jacobian: self.jacobian == 1, logarithmic },
-            form: match self.fading {
-                0 => FadingForm::None,
-                1 => FadingForm::Absolute,
-                _ => FadingForm::Signed,
-            },
-            source: match self.fading_source {
-                0 => FadingSource::Measurement,
-                1 => FadingSource::Innovation,
-                _ => FadingSource::Windowed,
-            },
-            gate: match self.fading_gate {
-                0 => FadingGate::Always,
-                1 => FadingGate::WhileMoving,
-                _ => FadingGate::SecondModelWhileMoving,
-            },
+            shares_alpha: u32::from(self.alpha_mixing == 1),
+            fades_alpha: u32::from(self.fading_scope == 1),
+            exact_jacobian: u32::from(self.jacobian == 1),
+            logarithmic: u32::from(logarithmic),
+            form: self.fading as u32,
+            source: self.fading_source as u32,
+            gate: self.fading_gate as u32,
         })
     }
 }

@@ -7,6 +7,7 @@
 use crate::error::{ConfigError, not_negative, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::noise::{GyroNoise, RANGE};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
@@ -49,31 +50,31 @@ impl Settings for OneEuroSettings {
     }
 }
 
-/// One-euro filter; the first sample starts it, missing samples hold it.
-///
-/// After missing samples the derivative and both low-passes use the time since the last sample that was there.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, Sample, filters::OneEuro};
-/// let filter = OneEuro::<f64>::new(50.0, 0.2, 0.5, 1.0)?;
-/// let mut state = filter.start();
-/// assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.02 }).rate, 3.0);
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct OneEuro<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// 2 pi times the cut-off at rest, rad/s.
-    pub minimum_corner_rad_s: T,
-    /// 2 pi times beta, rad/s per deg/s^2.
-    pub corner_per_speed: T,
-    /// 2 pi times the cut-off for the derivative, rad/s.
-    pub derivative_corner_rad_s: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// One-euro filter; the first sample starts it, missing samples hold it.
+    ///
+    /// After missing samples the derivative and both low-passes use the time since the last sample that was there.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, Sample, filters::OneEuro};
+    /// let filter = OneEuro::<f64>::new(50.0, 0.2, 0.5, 1.0)?;
+    /// let mut state = filter.start();
+    /// assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.02 }).rate, 3.0);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct OneEuro<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// 2 pi times the cut-off at rest, rad/s.
+        pub minimum_corner_rad_s: T,
+        /// 2 pi times beta, rad/s per deg/s^2.
+        pub corner_per_speed: T,
+        /// 2 pi times the cut-off for the derivative, rad/s.
+        pub derivative_corner_rad_s: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

@@ -6,6 +6,7 @@
 use crate::error::{ConfigError, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::noise::{GyroNoise, RANGE};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
@@ -37,29 +38,29 @@ impl Settings for Pt1Settings {
     }
 }
 
-/// First-order low-pass with cut-off `cutoff_hz`; the first sample starts it.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, Sample, filters::Pt1};
-/// let filter = Pt1::<f32>::new(1000.0, 20.0).unwrap();
-/// let mut state = filter.start();
-/// for k in 0..10_000 {
-///     filter.step(&mut state, Sample { value: (k % 2) as f32, dt: 0.001 });
-/// }
-/// assert!((state.level - 0.5).abs() < 0.07);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct Pt1<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// Gain at the nominal period.
-    pub gain: T,
-    /// 2 pi times the cut-off, rad/s.
-    pub corner_rad_s: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// First-order low-pass with cut-off `cutoff_hz`; the first sample starts it.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, Sample, filters::Pt1};
+    /// let filter = Pt1::<f32>::new(1000.0, 20.0).unwrap();
+    /// let mut state = filter.start();
+    /// for k in 0..10_000 {
+    ///     filter.step(&mut state, Sample { value: (k % 2) as f32, dt: 0.001 });
+    /// }
+    /// assert!((state.level - 0.5).abs() < 0.07);
+    /// ```
+    pub struct Pt1<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// Gain at the nominal period.
+        pub gain: T,
+        /// 2 pi times the cut-off, rad/s.
+        pub corner_rad_s: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

@@ -12,6 +12,7 @@ use crate::filter::{Estimate, Filter, Observer, Sample};
 use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
+use crate::plain;
 use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
 
@@ -54,28 +55,28 @@ impl Settings for RandomWalkKfSettings {
     }
 }
 
-/// Kalman filter for a random walk in white noise; the first sample starts it.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::RandomWalkKfSettings};
-/// let noise = GyroNoise::from_density_two_sided(0.01);
-/// let filter = RandomWalkKfSettings { variance_ratio: 0.0025, ..RandomWalkKfSettings::defaults(200.0, noise) }.build::<f64>()?;
-/// let mut state = filter.start();
-/// assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.005 }).rate, 3.0);
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct RandomWalkKf<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// q = Q/R over one nominal period.
-    pub variance_ratio: T,
-    /// Variance R of one sample, (deg/s)^2.
-    pub sample_variance: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Kalman filter for a random walk in white noise; the first sample starts it.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::RandomWalkKfSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.01);
+    /// let filter = RandomWalkKfSettings { variance_ratio: 0.0025, ..RandomWalkKfSettings::defaults(200.0, noise) }.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.005 }).rate, 3.0);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct RandomWalkKf<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// q = Q/R over one nominal period.
+        pub variance_ratio: T,
+        /// Variance R of one sample, (deg/s)^2.
+        pub sample_variance: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 impl<T: Real> Filter<T> for RandomWalkKf<T> {

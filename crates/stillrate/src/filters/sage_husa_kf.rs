@@ -13,6 +13,7 @@ use crate::error::{ConfigError, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::models::SingerCoefficients;
 use crate::noise::{GyroNoise, range};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -54,38 +55,38 @@ impl Settings for SageHusaKfSettings {
     }
 }
 
-/// Kalman filter with a Singer model and an adaptive measurement variance; the first sample starts it.
-///
-/// Missing samples are predicted over; an irregular time step gets its own transition and its own share of the memory.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SageHusaKfSettings};
-/// let settings = SageHusaKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
-/// let filter = settings.build::<f64>()?;
-/// let mut state = filter.start();
-/// assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.02 }).rate, 3.0);
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct SageHusaKf<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// Reciprocal of the manoeuvre time constant, 1/s.
-    pub alpha_per_s: T,
-    /// Singer's model at the nominal period.
-    pub model: SingerCoefficients<T>,
-    /// Spectral density of the driving noise over the noise variance R of the start, 1/s^5.
-    pub drive: T,
-    /// Share of the measurement variance that is forgotten in a nominal step.
-    pub forgotten: T,
-    /// Memory of the measurement variance, s.
-    pub memory_s: T,
-    /// Measurement standard deviation at the start, deg/s: the unit that the state is kept in.
-    pub unit: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Kalman filter with a Singer model and an adaptive measurement variance; the first sample starts it.
+    ///
+    /// Missing samples are predicted over; an irregular time step gets its own transition and its own share of the memory.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SageHusaKfSettings};
+    /// let settings = SageHusaKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+    /// let filter = settings.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// assert_eq!(filter.step(&mut state, Sample { value: 3.0, dt: 0.02 }).rate, 3.0);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct SageHusaKf<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// Reciprocal of the manoeuvre time constant, 1/s.
+        pub alpha_per_s: T,
+        /// Singer's model at the nominal period.
+        pub model: SingerCoefficients<T>,
+        /// Spectral density of the driving noise over the noise variance R of the start, 1/s^5.
+        pub drive: T,
+        /// Share of the measurement variance that is forgotten in a nominal step.
+        pub forgotten: T,
+        /// Memory of the measurement variance, s.
+        pub memory_s: T,
+        /// Measurement standard deviation at the start, deg/s: the unit that the state is kept in.
+        pub unit: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

@@ -11,6 +11,7 @@ use crate::imm::{interact, mix2, weigh2};
 use crate::kalman::{Reading, predict_singer, update2};
 use crate::models::SingerCoefficients;
 use crate::noise::{GyroNoise, RANGE_SIGMAS};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::reals::{Lane, Lanes};
@@ -144,20 +145,20 @@ pub(crate) fn probability_pair<T: Real>(pair: &[f64; 2]) -> Result<[T; 2], Confi
     }
 }
 
-/// One Singer model of the pair.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct SingerImmModel<T> {
-    /// Reciprocal time constant, 1/s.
-    pub alpha: T,
-    /// Density of the driving noise.
-    pub intensity: T,
-    /// Coefficients at the nominal period.
-    pub step: SingerCoefficients<T>,
-    /// Variance of a sample.
-    pub measurement_variance: T,
-    /// Variances of rate and acceleration at the first sample.
-    pub start_variance: [T; 2],
+plain! {
+    /// One Singer model of the pair.
+    pub struct SingerImmModel<T> {
+        /// Reciprocal time constant, 1/s.
+        pub alpha: T,
+        /// Density of the driving noise.
+        pub intensity: T,
+        /// Coefficients at the nominal period.
+        pub step: SingerCoefficients<T>,
+        /// Variance of a sample.
+        pub measurement_variance: T,
+        /// Variances of rate and acceleration at the first sample.
+        pub start_variance: [T; 2],
+    }
 }
 
 impl<T: Real> SingerImmModel<T> {
@@ -170,33 +171,33 @@ impl<T: Real> SingerImmModel<T> {
     };
 }
 
-/// Two interacting Singer models.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SingerImmKfSettings};
-/// let noise = GyroNoise::from_density_two_sided(0.015);
-/// let filter = SingerImmKfSettings::defaults(50.0, noise).build::<f64>()?;
-/// let mut state = filter.start();
-/// for k in 0..500 {
-///     filter.step(&mut state, Sample { value: if k % 2 == 0 { 0.1 } else { -0.1 }, dt: 0.02 });
-/// }
-/// assert!(state.probability[0] > 0.5); // at rest
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct SingerImmKf<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// The two models.
-    pub model: [SingerImmModel<T>; 2],
-    /// Transition probabilities `[from][to]` a sample.
-    pub transition: [[T; 2]; 2],
-    /// Probabilities before the first sample.
-    pub start_probability: [T; 2],
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Two interacting Singer models.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SingerImmKfSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.015);
+    /// let filter = SingerImmKfSettings::defaults(50.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for k in 0..500 {
+    ///     filter.step(&mut state, Sample { value: if k % 2 == 0 { 0.1 } else { -0.1 }, dt: 0.02 });
+    /// }
+    /// assert!(state.probability[0] > 0.5); // at rest
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct SingerImmKf<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// The two models.
+        pub model: [SingerImmModel<T>; 2],
+        /// Transition probabilities `[from][to]` a sample.
+        pub transition: [[T; 2]; 2],
+        /// Probabilities before the first sample.
+        pub start_probability: [T; 2],
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {
@@ -324,6 +325,7 @@ impl<T: Real> SingerImmKf<T> {
         if !ORDINARY {
             state.started = checked.known(state.started);
         }
+        state.started = checked.known(state.started);
         let started = ORDINARY || state.started != T::ZERO;
         let begins = checked.present && (!started || checked.restart);
         let start = self.start();

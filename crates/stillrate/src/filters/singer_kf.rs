@@ -10,6 +10,7 @@ use crate::gaussian::Gaussian2;
 use crate::kalman::{Reading, predict_singer, update2};
 use crate::models::SingerCoefficients;
 use crate::noise::{GyroNoise, RANGE_SIGMAS};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -78,34 +79,34 @@ impl Settings for SingerKfSettings {
     }
 }
 
-/// Singer Kalman filter.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SingerKfSettings};
-/// let noise = GyroNoise::from_density_two_sided(0.015);
-/// let filter = SingerKfSettings::defaults(50.0, noise).build::<f64>()?;
-/// let mut state = filter.start();
-/// assert_eq!(filter.step(&mut state, Sample { value: 1.0, dt: 0.02 }).rate, 1.0);
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct SingerKf<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// Reciprocal time constant, 1/s.
-    pub alpha: T,
-    /// Density of the driving noise, 2 alpha sigma_m^2.
-    pub intensity: T,
-    /// Coefficients at the nominal period.
-    pub step: SingerCoefficients<T>,
-    /// Variance of a sample.
-    pub measurement_variance: T,
-    /// Variances of rate and acceleration at the first sample.
-    pub start_variance: [T; 2],
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Singer Kalman filter.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SingerKfSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.015);
+    /// let filter = SingerKfSettings::defaults(50.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// assert_eq!(filter.step(&mut state, Sample { value: 1.0, dt: 0.02 }).rate, 1.0);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct SingerKf<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// Reciprocal time constant, 1/s.
+        pub alpha: T,
+        /// Density of the driving noise, 2 alpha sigma_m^2.
+        pub intensity: T,
+        /// Coefficients at the nominal period.
+        pub step: SingerCoefficients<T>,
+        /// Variance of a sample.
+        pub measurement_variance: T,
+        /// Variances of rate and acceleration at the first sample.
+        pub start_variance: [T; 2],
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

@@ -16,6 +16,7 @@ use crate::filters::recursive::line::LineState;
 use crate::filters::recursive::memory::{check_factor, tau_of};
 use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
+use crate::plain;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -128,50 +129,50 @@ impl Settings for VariableForgettingSettings {
     }
 }
 
-/// Recursive least squares whose forgetting factor follows the innovation.
-///
-/// # Example
-/// ```
-/// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::VariableForgettingSettings};
-/// let noise = GyroNoise::from_standard_deviation_at_rate(0.05, 200.0);
-/// let filter = VariableForgettingSettings::defaults(200.0, noise).build::<f64>()?;
-/// let mut state = filter.start();
-/// for k in 0..200 {
-///     let value = if k < 150 { 0.0 } else { 5.0 }; // at rest, then a sudden turn
-///     let estimate = filter.step(&mut state, Sample { value, dt: 0.005 });
-///     if k == 152 {
-///         assert!((estimate.rate - 5.0).abs() < 0.1); // followed within three samples
-///     }
-/// }
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct VariableForgetting<T> {
-    /// Nominal sample period, s.
-    pub period_s: T,
-    /// 1 or 2.
-    pub order: T,
-    /// Forgetting factor at rest, a nominal period.
-    pub forgetting_factor_max: T,
-    /// What full motion adds to it (negative).
-    pub range: T,
-    /// beta.
-    pub smoothing: T,
-    /// sqrt((2 - beta)/beta).
-    pub spread: T,
-    /// Where forgetting begins, standard deviations.
-    pub threshold: T,
-    /// From there to full motion, standard deviations.
-    pub width: T,
-    /// Standard deviation of one sample, deg/s.
-    pub sigma: T,
-    /// Its square.
-    pub sample_variance: T,
-    /// Memory at rest, s: an order-2 line is followed through a gap for so long.
-    pub quiet_tau_s: T,
-    /// Values beyond this magnitude count as missing.
-    pub limit: T,
+plain! {
+    /// Recursive least squares whose forgetting factor follows the innovation.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::VariableForgettingSettings};
+    /// let noise = GyroNoise::from_standard_deviation_at_rate(0.05, 200.0);
+    /// let filter = VariableForgettingSettings::defaults(200.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for k in 0..200 {
+    ///     let value = if k < 150 { 0.0 } else { 5.0 }; // at rest, then a sudden turn
+    ///     let estimate = filter.step(&mut state, Sample { value, dt: 0.005 });
+    ///     if k == 152 {
+    ///         assert!((estimate.rate - 5.0).abs() < 0.1); // followed within three samples
+    ///     }
+    /// }
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    pub struct VariableForgetting<T> {
+        /// Nominal sample period, s.
+        pub period_s: T,
+        /// 1 or 2.
+        pub order: T,
+        /// Forgetting factor at rest, a nominal period.
+        pub forgetting_factor_max: T,
+        /// What full motion adds to it (negative).
+        pub range: T,
+        /// beta.
+        pub smoothing: T,
+        /// sqrt((2 - beta)/beta).
+        pub spread: T,
+        /// Where forgetting begins, standard deviations.
+        pub threshold: T,
+        /// From there to full motion, standard deviations.
+        pub width: T,
+        /// Standard deviation of one sample, deg/s.
+        pub sigma: T,
+        /// Its square.
+        pub sample_variance: T,
+        /// Memory at rest, s: an order-2 line is followed through a gap for so long.
+        pub quiet_tau_s: T,
+        /// Values beyond this magnitude count as missing.
+        pub limit: T,
+    }
 }
 
 reals! {

@@ -11,33 +11,34 @@
 //! cancels, two half steps are composed. All forms are computed and one is selected.
 //! The rounding error of x = alpha T itself is recovered (Dekker's product) because e^-x multiplies it by x.
 
+use crate::plain;
 use crate::real::Real;
 
-/// Transition and unit process noise of a Singer model over one step.
-///
-/// Multiply the `q` by the spectral density of the driving noise, 2 alpha sigma_m^2. Units: alpha in 1/s, r in s,
-/// q11 in s^3, q12 in s^2, q22 in s. Largest relative errors over 40 000 random alpha T in 1e-12..50, against 120 digits:
-/// r 2.4e-16, s 2.1e-16, q11 5.0e-16, q12 5.0e-16, q22 3.4e-16 in `f64`; q11, the worst, 3.0e-7 in `f32`.
-///
-/// # Example
-/// ```
-/// use stillrate::models::SingerCoefficients;
-/// let constant_acceleration = SingerCoefficients::new(0.0, 0.5);
-/// assert_eq!(constant_acceleration, SingerCoefficients { r: 0.5, s: 1.0, q11: 0.125 / 3.0, q12: 0.125, q22: 0.5 });
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct SingerCoefficients<T> {
-    /// Rate gained per unit of acceleration, s.
-    pub r: T,
-    /// Share of the acceleration that remains.
-    pub s: T,
-    /// Variance of the rate, s^3.
-    pub q11: T,
-    /// Covariance of rate and acceleration, s^2.
-    pub q12: T,
-    /// Variance of the acceleration, s.
-    pub q22: T,
+plain! {
+    /// Transition and unit process noise of a Singer model over one step.
+    ///
+    /// Multiply the `q` by the spectral density of the driving noise, 2 alpha sigma_m^2. Units: alpha in 1/s, r in s,
+    /// q11 in s^3, q12 in s^2, q22 in s. Largest relative errors over 40 000 random alpha T in 1e-12..50, against 120 digits:
+    /// r 2.4e-16, s 2.1e-16, q11 5.0e-16, q12 5.0e-16, q22 3.4e-16 in `f64`; q11, the worst, 3.0e-7 in `f32`.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::models::SingerCoefficients;
+    /// let constant_acceleration = SingerCoefficients::new(0.0, 0.5);
+    /// assert_eq!(constant_acceleration, SingerCoefficients { r: 0.5, s: 1.0, q11: 0.125 / 3.0, q12: 0.125, q22: 0.5 });
+    /// ```
+    pub struct SingerCoefficients<T> {
+        /// Rate gained per unit of acceleration, s.
+        pub r: T,
+        /// Share of the acceleration that remains.
+        pub s: T,
+        /// Variance of the rate, s^3.
+        pub q11: T,
+        /// Covariance of rate and acceleration, s^2.
+        pub q12: T,
+        /// Variance of the acceleration, s.
+        pub q22: T,
+    }
 }
 
 /// Terms of the power series: enough at x = 1 for the last to vanish beside the first.
