@@ -88,9 +88,10 @@ pub fn check(log: Log<'_>) -> Result<(), String> {
         return Err(format!("{} true rates for {n} measured ones (must be as many)", log.truth.len()));
     }
     if let Some(temperature) = log.temperature
-        && temperature.len() != n {
-            return Err(format!("{} temperatures for {n} rates (must be as many)", temperature.len()));
-        }
+        && temperature.len() != n
+    {
+        return Err(format!("{} temperatures for {n} rates (must be as many)", temperature.len()));
+    }
     let usable = (0..n).filter(|&k| usable(log, k)).count();
     if usable < FEWEST_SAMPLES {
         return Err(format!("{usable} usable samples (must be at least {FEWEST_SAMPLES})"));

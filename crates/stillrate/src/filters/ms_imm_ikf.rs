@@ -10,9 +10,8 @@
 
 use super::ms_imm_ikf_cycle::Readings;
 use crate::adaptive::manoeuvre_frequency::{FrequencyMemory, MotionMoments};
-use crate::filter::{Checked, Estimate, Filter, Flags, LONGEST_GAP_S, Observer, Sample};
 use crate::block;
-use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::filter::{Estimate, Filter, Flags, LONGEST_GAP_S, Observer, Sample};
 use crate::gaussian::{Gaussian2, Gaussian4};
 use crate::models::SingerCoefficients;
 use crate::models::oscillator::OscillatorStep;
@@ -260,11 +259,6 @@ impl<T: Real> MsImmIkf<T> {
         z: &[T; W],
         dt: T,
         observer: &mut O,
-    ) -> [Estimate<T>; W] {
-        let mut checked: [Checked<T>; W] =
-            core::array::from_fn(|c| Sample { value: z[c], dt }.check(self.limit, self.period_s));
-        let restart = checked[0].restart;
-        if restart {
     ) -> [Flags; W] {
         let time = Sample { value: T::ZERO, dt }.check(self.limit, self.period_s);
         let mut ordinary = time.moves && !time.restart && self.outlier_probability == T::ZERO;
@@ -280,16 +274,11 @@ impl<T: Real> MsImmIkf<T> {
         }
         let elapsed = T::select(dt == self.period_s || time.restart, T::ONE, dt / self.period_s);
         let pace = if elapsed == T::ONE { self.nominal } else { self.pace(elapsed) };
-        let longest = T::of(LONGEST_GAP_S).most(self.period_s * T::of(3.0)) / self.period_s;
-        let mut lapsed = false;
-        for c in 0..W {
-            s.silent.0[c] += elapsed;
-            lapsed |= s.silent.0[c] > longest;
-        }
-        if lapsed {
-            self.lapse(s, &mut checked, longest);
+        let lapsed = if ordinary { [Flags::NONE; W] } else { self.fall_silent(s, elapsed) };
         let mut due = false;
+        for c in 0..W {
             due |= (s.renew_in.0[c] <= T::ZERO) | (s.made_for.0[c] != elapsed);
+        }
         if due {
             self.renew(s, elapsed);
         }
@@ -308,7 +297,7 @@ impl<T: Real> MsImmIkf<T> {
         if lost {
             self.recover(s, &mut flags);
         }
-        flags
+        core::array::from_fn(|c| flags[c].with(lapsed[c]))
     }
 
     /// A row in which something needs care: a missing, absurd or saturated sample, the first one, or outliers expected.
@@ -338,17 +327,21 @@ impl<T: Real> MsImmIkf<T> {
         }
     }
 
-    /// Forgets channels that have been silent for as long as the longest gap: coasting on would end in absurd numbers.
+    /// Counts the silence of every channel, and forgets those that have been silent for as long as the longest gap:
+    /// coasting on would end in absurd numbers.
     #[cold]
     #[inline(never)]
-    fn lapse<const W: usize>(&self, s: &mut Wide<T, W>, checked: &mut [Checked<T>; W], longest: T) {
-        let fresh = self.start_wide::<W>();
-        for (c, checked) in checked.iter_mut().enumerate() {
-            if s.silent.0[c] > longest {
-                checked.flags = checked.flags.with(Flags::RESTARTED.when(s.started.0[c] != T::ZERO));
-                s.set_lane(c, fresh.lane(c));
+    fn fall_silent<const W: usize>(&self, s: &mut Wide<T, W>, elapsed: T) -> [Flags; W] {
+        let longest = T::of(LONGEST_GAP_S).most(self.period_s * T::of(3.0)) / self.period_s;
+        core::array::from_fn(|c| {
+            s.silent.0[c] += elapsed;
+            if s.silent.0[c] <= longest {
+                return Flags::NONE;
             }
-        }
+            let flags = Flags::RESTARTED.when(s.started.0[c] != T::ZERO);
+            s.set_lane(c, self.start_wide::<1>().lane(0));
+            flags
+        })
     }
 
     /// Starts channels anew that have lost their state.

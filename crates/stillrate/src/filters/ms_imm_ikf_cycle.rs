@@ -105,14 +105,12 @@ impl<T: Real> MsImmIkf<T> {
         if !ORDINARY && self.saturation < T::LARGEST {
             self.skip_beyond_the_rail(s, readings, &mut used, &mut flags);
         }
-        self.update(s, checked, &used, &mut weights);
-        self.weigh(s, &used, &mut weights);
-        for c in 0..W {
-            s.silent.0[c] = T::select(used[c], T::ZERO, s.silent.0[c]);
-        }
         self.update::<ORDINARY, W>(s, readings, &used, &mut weights);
         self.weigh::<ORDINARY, W>(s, &used, &mut weights);
-        self.fuse_and_follow(s, pace);
+        for c in 0..W {
+            s.silent.0[c] = T::select(ORDINARY || readings.used[c], T::ZERO, s.silent.0[c]);
+        }
+        self.fuse_and_follow::<ORDINARY, W>(s, pace);
         if !ORDINARY {
             for c in 0..W {
                 s.started.0[c] = T::select(readings.used[c], T::ONE, s.started.0[c]);
@@ -377,7 +375,8 @@ impl<T: Real> MsImmIkf<T> {
 
     /// Mean and variance of the mixture; then the frequency follows it, wide rungs left out.
     #[inline(always)]
-    fn fuse_and_follow<const W: usize>(&self, s: &mut Wide<T, W>, pace: &Pace<T>) {
+    fn fuse_and_follow<const ORDINARY: bool, const W: usize>(&self, s: &mut Wide<T, W>, pace: &Pace<T>) {
+        let longest = (T::of(LONGEST_ECHO_S) / self.period_s).most(T::of(LONGEST_ECHO_SAMPLES));
         let mut rate = [T::ZERO; W];
         let mut acceleration = [T::ZERO; W];
         let mut inner = [[T::ZERO; W]; 3];
@@ -410,7 +409,6 @@ impl<T: Real> MsImmIkf<T> {
                 inner[2][c] += a;
             }
         }
-        let longest = (T::of(LONGEST_ECHO_S) / self.period_s).most(T::of(LONGEST_ECHO_SAMPLES));
         let spread = |mu: T, x: T, p: T, mean: T| mu * (p + (x - mean) * (x - mean));
         let mut variance = [T::ZERO; W];
         for c in 0..W {
@@ -435,7 +433,7 @@ impl<T: Real> MsImmIkf<T> {
             let inverse = T::ONE / inner[0][c];
             let motion = s.motion.lane(c);
             let followed = motion.follow(&self.memory, inner[1][c] * inverse, inner[2][c] * inverse, pace.elapsed);
-            s.motion.set_lane(c, if s.silent.0[c] > longest { motion } else { followed });
+            s.motion.set_lane(c, followed.or_else(ORDINARY || s.silent.0[c] <= longest, &motion));
         }
     }
 
