@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stillrate.rate_table.model import Floats
+from stillrate.rate_table.parts import Floats
 
 WIDTH, HEIGHT = 760, 380
 _LEFT, _RIGHT, _TOP, _BOTTOM = 64, 16, 34, 46

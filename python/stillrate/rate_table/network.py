@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from stillrate import _native
-from stillrate.rate_table.model import ErrorModel, Floats, as_floats, refusals
+from stillrate.rate_table.model import ErrorModel
+from stillrate.rate_table.parts import Floats, as_floats, refusals
 
 
 @dataclass(frozen=True, kw_only=True)

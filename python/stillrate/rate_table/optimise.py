@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stillrate import _native
-from stillrate.rate_table.model import Floats, refusals
+from stillrate.rate_table.parts import Floats, refusals
 
 Objective = Callable[[Floats], npt.ArrayLike]
 Progress = Callable[[int, int, float], bool | None]

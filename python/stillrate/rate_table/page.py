@@ -9,7 +9,8 @@ import numpy as np
 
 from stillrate.io.safely import atomic
 from stillrate.rate_table.drawing import Line, picture
-from stillrate.rate_table.model import Calibration, ErrorModel
+from stillrate.rate_table.model import ErrorModel
+from stillrate.rate_table.parts import Calibration
 
 _STYLE = (
     ":root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;max-width:56rem;"
