@@ -135,10 +135,17 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
         Flags::MISSING.when(!finite).with(Flags::OUT_OF_RANGE.when(finite && !known))
     }
 
-    /// Takes in one measurement of the outputs (m/s^2); an axis that is not finite is left out.
+    /// Takes in one measurement of the outputs (m/s^2); an axis that is not finite or beyond twice gravity is left out.
     pub fn correct(&self, state: &mut JointState<T, N>, measurement: &Measurement) -> [Innovation; 3] {
         let geometry = Geometry::new(&self.estimator.model, &state.coefficients);
-        self.correct_by(state, &geometry, measurement, false)
+        let limit = 2.0 * self.estimator.model.gravity_m_s2;
+        let mut believed = *measurement;
+        for (value, variance) in believed.value.iter().zip(&mut believed.variance) {
+            if !(value.magnitude() <= limit) {
+                *variance = f64::INFINITY;
+            }
+        }
+        self.correct_by(state, &geometry, &believed, false)
     }
 
     fn correct_by(
