@@ -32,8 +32,6 @@ _FORMATS: Mapping[str, str] = {
     ".pq": "parquet",
     ".npz": "npz",
     ".ulg": "ulog",
-    ".bbl": "blackbox",
-    ".bfl": "blackbox",
     ".mcap": "rosbag",
     ".bag": "rosbag",
     ".db3": "rosbag",

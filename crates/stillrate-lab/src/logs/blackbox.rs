@@ -1,7 +1,11 @@
-//! Betaflight and INAV blackbox logs through the crate `blackbox-log`: gyro and accelerometer of every flight in a file.
+//! Betaflight and INAV blackbox logs through the crate `blackbox-log`: the main frames of every flight in a file.
 //!
 //! A file holds one log a flight, end to end. What is damaged inside a flight the parser leaves out (the time stamps show
 //! the gap); a flight whose header cannot be read is counted, not guessed.
+//!
+//! Not in use yet: version 0.4.3 of the crate is wrong by a few counts between keyframes in fields that are predicted by
+//! the average of the last two frames (gyro, accelerometer, motors). The firmware sets both to the keyframe after one;
+//! the crate keeps the frame before it. Stamps and counts of frames are right.
 
 use blackbox_log::frame::{FieldDef, MainValue};
 use blackbox_log::prelude::*;
@@ -35,7 +39,7 @@ pub struct Flights {
 #[must_use]
 pub fn read(bytes: &[u8]) -> Flights {
     let filters = FilterSet {
-        main: Filter::OnlyFields(["gyroADC", "gyroUnfilt", "accSmooth"].into()),
+        main: Filter::Unfiltered,
         slow: Filter::OnlyFields(["none"].into()),
         gps: Filter::OnlyFields(["none"].into()),
     };
