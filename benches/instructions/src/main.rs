@@ -1,8 +1,7 @@
 //! Runs every filter over a fixed signal, so that callgrind can count the instructions of a step.
 //!
-//! Each case calls [`counted`] once, on a tile of [`ROWS`] rows after a warm-up. Under
-//! `valgrind --tool=callgrind --toggle-collect='*counted*' --dump-after='*counted*'` every call leaves one dump, in the
-//! order in which the cases are printed. With the argument `time` the cases are timed instead (minimum of many runs).
+//! `list` prints the cases. `count CASE`, under `valgrind --tool=callgrind --toggle-collect='*counted*'`, calls [`counted`]
+//! once, on a tile of [`ROWS`] rows after a warm-up. `time` times every case instead (minimum of many runs).
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -16,10 +15,19 @@ const WARM_UP: usize = 256;
 /// Sample rate of the recommended settings, Hz.
 const RATE_HZ: f64 = 1000.0;
 
+/// What is asked for.
+enum Job {
+    List,
+    Count(String),
+    Time,
+}
+
 /// What callgrind looks for.
 #[inline(never)]
 fn counted(work: &mut dyn FnMut()) {
     work();
+    // Something to return to: a tail call would leave the function before the work.
+    black_box(());
 }
 
 /// A tile at the instructions that every x86-64 has.
@@ -50,7 +58,13 @@ fn signal<T: Real, const W: usize>(rows: usize) -> Vec<[T; W]> {
         .collect()
 }
 
-fn case<T: Real, F: Filter<T>, const W: usize>(method: &str, form: &str, filter: &F, timed: bool) {
+fn case<T: Real, F: Filter<T>, const W: usize>(method: &str, form: &str, filter: &F, job: &Job) {
+    let name = format!("{method}, {form}");
+    match job {
+        Job::List => return println!("{name}\t{}", ROWS * W),
+        Job::Count(only) if *only != name => return,
+        _ => {}
+    }
     let mut lanes = vec![[T::ZERO; W]; <F::State as Reals<T>>::COUNT];
     for c in 0..W {
         block::store(&filter.start(), &mut lanes, c);
@@ -67,10 +81,9 @@ fn case<T: Real, F: Filter<T>, const W: usize>(method: &str, form: &str, filter:
     let samples = signal::<T, W>(WARM_UP + ROWS);
     let (before, rows) = samples.split_at(WARM_UP);
     run(&mut lanes, &mut before.to_vec());
-    if !timed {
+    if let Job::Count(_) = job {
         let mut tile = rows.to_vec();
         counted(&mut || run(&mut lanes, black_box(&mut tile)));
-        println!("{method}\t{form}\t{}", ROWS * W);
         return;
     }
     let mut best = f64::MAX;
@@ -80,37 +93,39 @@ fn case<T: Real, F: Filter<T>, const W: usize>(method: &str, form: &str, filter:
         run(&mut lanes, black_box(&mut tile));
         best = best.min(start.elapsed().as_secs_f64());
     }
-    println!("{method}\t{form}\t{:.2} ns", best * 1e9 / (ROWS * W) as f64);
+    println!("{name}\t{:.2} ns", best * 1e9 / (ROWS * W) as f64);
 }
 
-fn forms<S: Settings>(timed: bool, only: Option<&str>) {
-    forms_of(S::METHOD, &S::defaults(RATE_HZ, noise()), timed, only);
+fn forms<S: Settings>(job: &Job) {
+    forms_of(S::METHOD, &S::defaults(RATE_HZ, noise()), job);
 }
 
 fn noise() -> GyroNoise {
     GyroNoise::from_density_two_sided(0.015).with_rate_random_walk(0.003)
 }
 
-fn forms_of<S: Settings>(method: &str, settings: &S, timed: bool, only: Option<&str>) {
-    if only.is_some_and(|only| only != method) {
-        return;
-    }
+fn forms_of<S: Settings>(method: &str, settings: &S, job: &Job) {
     let double = settings.build::<f64>().expect("defaults are valid");
     let single = settings.build::<f32>().expect("defaults are valid");
-    case::<f64, _, 1>(method, "f64 x 1", &double, timed);
+    case::<f64, _, 1>(method, "f64 x 1", &double, job);
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
-        case::<f64, _, 8>(method, "f64 x 8 avx2", &double, timed);
-        case::<f32, _, 16>(method, "f32 x 16 avx2", &single, timed);
+        case::<f64, _, 8>(method, "f64 x 8 avx2", &double, job);
+        case::<f32, _, 16>(method, "f32 x 16 avx2", &single, job);
     }
 }
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let timed = arguments.next().is_some_and(|mode| mode == "time");
-    let only = arguments.next();
+    let job = match (arguments.next().as_deref(), arguments.next()) {
+        (Some("count"), Some(case)) => Job::Count(case),
+        (Some("time"), _) => Job::Time,
+        _ => Job::List,
+    };
     macro_rules! every {
-        ($($name:ident),* $(,)?) => { $(forms::<filters::$name>(timed, only.as_deref());)* };
+        ($($name:ident),* $(,)?) => { $(forms::<filters::$name>(&job);)* };
     }
     stillrate::methods!(every);
+    let light = filters::MsImmIkfSettings { oscillator_count: 0, ..Settings::defaults(RATE_HZ, noise()) };
+    forms_of("ms-imm-ikf, light", &light, &job);
 }
