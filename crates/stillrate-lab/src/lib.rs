@@ -4,6 +4,7 @@
 pub mod allan;
 pub mod bounds;
 pub mod error;
+pub mod export;
 pub mod gimbal;
 pub mod inspect;
 pub mod logs;

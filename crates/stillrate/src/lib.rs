@@ -12,6 +12,7 @@
 //! # Ok::<(), stillrate::ConfigError>(())
 //! ```
 #![no_std]
+#![cfg_attr(feature = "core-sqrt", feature(core_float_math))]
 #![forbid(unsafe_code)]
 
 #[cfg(any(test, feature = "std"))]

@@ -111,7 +111,11 @@ pub fn root(x: f64) -> f64 {
     {
         f64::sqrt(x)
     }
-    #[cfg(not(feature = "std"))]
+    #[cfg(all(feature = "core-sqrt", not(feature = "std")))]
+    {
+        core::f64::math::sqrt(x)
+    }
+    #[cfg(not(any(feature = "core-sqrt", feature = "std")))]
     {
         libm::sqrt(x)
     }

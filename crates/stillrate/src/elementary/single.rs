@@ -58,7 +58,11 @@ pub fn root(x: f32) -> f32 {
     {
         f32::sqrt(x)
     }
-    #[cfg(not(feature = "std"))]
+    #[cfg(all(feature = "core-sqrt", not(feature = "std")))]
+    {
+        core::f32::math::sqrt(x)
+    }
+    #[cfg(not(any(feature = "core-sqrt", feature = "std")))]
     {
         libm::sqrtf(x)
     }

@@ -188,7 +188,7 @@ reals! {
     /// State of [`FirLowPass`].
     pub struct FirLowPassState {
         /// Samples, newest first.
-        pub register: [T; CAPACITY],
+        pub samples: [T; CAPACITY],
         /// The last output.
         pub output: T,
         /// 1 once a sample has been seen.
@@ -199,10 +199,10 @@ reals! {
 impl<T: Real> FirLowPass<T> {
     /// sum h(k) x(n - k), in eight sums side by side and then from the first to the last.
     #[inline(always)]
-    fn convolve(&self, register: &[T; CAPACITY]) -> T {
+    fn convolve(&self, samples: &[T; CAPACITY]) -> T {
         let mut sums = [T::ZERO; LANES];
         let rows = self.rows.widen() as usize;
-        for (taps, samples) in self.taps.chunks_exact(LANES).zip(register.chunks_exact(LANES)).take(rows) {
+        for (taps, samples) in self.taps.chunks_exact(LANES).zip(samples.chunks_exact(LANES)).take(rows) {
             for (sum, (&tap, &sample)) in sums.iter_mut().zip(taps.iter().zip(samples)) {
                 *sum += tap * sample;
             }
@@ -215,7 +215,7 @@ impl<T: Real> Filter<T> for FirLowPass<T> {
     type State = FirLowPassState<T>;
 
     fn start(&self) -> FirLowPassState<T> {
-        FirLowPassState { register: [T::ZERO; CAPACITY], output: T::ZERO, started: T::ZERO }
+        FirLowPassState { samples: [T::ZERO; CAPACITY], output: T::ZERO, started: T::ZERO }
     }
 
     fn period(&self) -> T {
@@ -235,14 +235,14 @@ impl<T: Real> Filter<T> for FirLowPass<T> {
         let value = T::select(checked.present, checked.value, state.output);
         let fresh = checked.present && (state.started == T::ZERO || checked.restart);
         if fresh {
-            state.register = [T::select(self.from_zero == T::ONE, T::ZERO, value); CAPACITY];
+            state.samples = [T::select(self.from_zero == T::ONE, T::ZERO, value); CAPACITY];
         }
         // Time passes for a missing sample too, but not where the clock stood still or before any data.
         if checked.moves && (fresh || state.started == T::ONE) {
-            state.register.copy_within(0..CAPACITY - 1, 1);
-            state.register[0] = value;
+            state.samples.copy_within(0..CAPACITY - 1, 1);
+            state.samples[0] = value;
             state.started = T::ONE;
-            state.output = self.convolve(&state.register).flushed();
+            state.output = self.convolve(&state.samples).flushed();
         }
         let rate = state.output;
         let trace = ModelTrace { probability: T::ONE, innovation, fading: T::ONE, rate, ..ModelTrace::default() };
