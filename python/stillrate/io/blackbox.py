@@ -1,8 +1,8 @@
 """Betaflight and INAV blackbox: the longest flight of a file; unfiltered gyro if it was logged.
 
 Not offered by `stillrate.read` yet: blackbox-log 0.4.3 predicts the first frame after a keyframe from the frame before
-the keyframe where the firmware averages the keyframe with itself, so that gyro values come out up to 2 deg/s wrong until
-the next keyframe.
+the keyframe where the firmware averages the keyframe with itself, so that gyro values come out up to 2 deg/s wrong
+until the next keyframe.
 """
 
 from __future__ import annotations
