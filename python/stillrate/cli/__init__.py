@@ -17,6 +17,7 @@ COMMANDS = {
     "demo": "Clean a simulated log by several methods and show why to trust the result.",
     "filter": "Clean a gyro log: same rows and columns, the rates filtered.",
     "platform": "Compare filters in the loop of a stabilised platform, with pictures.",
+    "reproduce": "Compute published figures again and print them beside ours.",
     "simulate": "Write a simulated gyro log of which the truth is known.",
     "tune": "Measure a gyro's noise in a log and write settings for filter.",
 }
