@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stillrate.errors import LogError
-from stillrate.io import delimited
+from stillrate.io import delimited, npz
 from stillrate.io.safely import within_bounds
 from stillrate.io.table import Table
 
