@@ -18,7 +18,7 @@ use super::{DriftError, TransferFunction, steady_state};
 /// use stillrate_lab::servo::drift::LoopNoise;
 /// let gyro = LoopNoise::from_std_at_rate(0.1074, 50.0).unwrap();
 /// assert!((gyro.white_density - 0.015189).abs() < 1e-6); // deg/sqrt(s)
-/// let same = LoopNoise::from_arw_deg_sqrt_h(0.911319219592223).unwrap();
+/// let same = LoopNoise::from_arw_deg_sqrt_h(60.0 * 0.1074 / 50.0_f64.sqrt()).unwrap();
 /// assert!((same.white_density / gyro.white_density - 1.0).abs() < 1e-14);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
