@@ -12,7 +12,6 @@ from pathlib import Path
 from statistics import mean
 
 import numpy as np
-
 import stillrate as sr
 
 TARGET = 1e-5
@@ -60,15 +59,28 @@ class Counted:
 
 def run_qpso(problem: Counted, dimensions: int, budget: int, seed: int) -> None:
     sr.rate_table.minimise(
-        problem, [-BOX] * dimensions, [BOX] * dimensions, "qpso", particles=40, iterations=budget // 40 - 1, seed=seed,
+        problem,
+        [-BOX] * dimensions,
+        [BOX] * dimensions,
+        "qpso",
+        particles=40,
+        iterations=budget // 40 - 1,
+        seed=seed,
         target=TARGET,
     )
 
 
 def run_de(problem: Counted, dimensions: int, budget: int, seed: int) -> None:
     sr.rate_table.minimise(
-        problem, [-BOX] * dimensions, [BOX] * dimensions, "de", particles=40, iterations=budget // 40, seed=seed,
-        progress=lambda *_: problem.reached is None, tolerance=0.0,
+        problem,
+        [-BOX] * dimensions,
+        [BOX] * dimensions,
+        "de",
+        particles=40,
+        iterations=budget // 40,
+        seed=seed,
+        progress=lambda *_: problem.reached is None,
+        tolerance=0.0,
     )
 
 
@@ -77,7 +89,9 @@ def run_cma(problem: Counted, dimensions: int, budget: int, seed: int) -> None:
 
     start = np.random.default_rng(seed).uniform(-BOX, BOX, dimensions)
     search = cma.CMAEvolutionStrategy(
-        start, BOX / 2, {"bounds": [-BOX, BOX], "seed": seed, "verbose": -9, "maxfevals": budget, "tolfun": 0, "tolx": 0}
+        start,
+        BOX / 2,
+        {"bounds": [-BOX, BOX], "seed": seed, "verbose": -9, "maxfevals": budget, "tolfun": 0, "tolx": 0},
     )
     while not search.stop() and problem.reached is None:
         points = search.ask()
@@ -106,8 +120,10 @@ def main() -> None:
                         reached.append(problem.reached)
                 row[method] = {"solved": len(reached), "evaluations": mean(reached) if reached else None}
             rows.append(row)
-            cells = [f"{r['evaluations']:.0f} ({r['solved']}/{arguments.seeds})" if r["solved"] else f"0/{arguments.seeds}"
-                     for r in (row[m] for m in METHODS)]
+            cells = [
+                f"{r['evaluations']:.0f} ({r['solved']}/{arguments.seeds})" if r["solved"] else f"0/{arguments.seeds}"
+                for r in (row[m] for m in METHODS)
+            ]
             print(f"| {dimensions} {name} | " + " | ".join(cells) + " |", flush=True)
     if arguments.json:
         arguments.json.write_text(json.dumps(rows, indent=1) + "\n")

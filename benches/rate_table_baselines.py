@@ -11,10 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pywt
-from vmdpy import VMD
-
 import stillrate as sr
 from stillrate import _native
+from vmdpy import VMD
 
 MODES, PENALTY, WAVELET, LEVELS = 5, 2000.0, "sym8", 6
 

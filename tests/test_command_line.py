@@ -160,7 +160,7 @@ def test_help_does_not_import_the_numerics_of_commands():
 
 
 def test_the_package_itself_imports_nothing_beyond_numpy():
-    code = "import sys, stillrate; print(sorted({'cyclopts', 'rich', 'polars', 'plotly', 'matplotlib'} & set(sys.modules)))"
+    code = "import sys, stillrate; print(sorted({'cyclopts', 'rich', 'polars', 'matplotlib'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
@@ -188,3 +188,27 @@ def test_demo_writes_page_log_and_table(tmp_path, capsys):
     found = json.loads(data[1])["channels"][0]
     assert found["spectrum"] and found["allan"] and len(found["view"]["models"]) > 5
     assert not re.search(r"(src|href)=.?https?:", page)
+
+
+def test_tune_writes_settings_that_filter_takes(log, tmp_path):
+    rest = tmp_path / "rest.npz"
+    assert main(["simulate", "static", "-o", str(rest), "--rate", "100", "--channels", "2"]) == 0
+    assert main(["tune", str(rest), "-o", str(tmp_path / "f.toml")]) == 0
+    config = sr.load_config(tmp_path / "f.toml")
+    assert config.noise is not None and config.noise.density_dps_sqrt_hz == pytest.approx(0.0151, rel=0.05)
+    assert (
+        main(["filter", str(log), "--config", str(tmp_path / "f.toml"), "-o", str(tmp_path / "c.csv"), "--quiet"]) == 0
+    )
+    assert main(["tune", str(rest), "-o", str(tmp_path / "g.toml"), "--rest", "9:1"]) == 2
+
+
+def test_allan_and_compare_show_their_tables(log, tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    rest = tmp_path / "rest.npz"
+    assert main(["simulate", "static", "-o", str(rest), "--rate", "50"]) == 0
+    assert main(["allan", str(rest), "--json", str(tmp_path / "a.json"), "--picture", str(tmp_path / "a.png")]) == 0
+    figures = json.loads((tmp_path / "a.json").read_text())["channels"]["gx_dps"]["angle_random_walk"]
+    assert figures["lower"] < 0.0151 < figures["upper"]
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert main(["compare", str(rest), "--method", "pt1", "--method", "ms-imm-ikf"]) == 0
+    assert "ms-imm-ikf" in capsys.readouterr().out

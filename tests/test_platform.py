@@ -141,10 +141,10 @@ def test_a_recorded_motion_drives_the_base() -> None:
 
 def test_the_camera_gimbal_holds_its_camera() -> None:
     gimbal = pf.Setup.camera_gimbal()
-    gains = pf.Controller(kappa=0.5, ko_per_s=2.0, kvi_per_s=10.0, kd_s=0.0)
+    gains = pf.Controller(kappa=2.0, ko_per_s=2.0, kvi_per_s=60.0, kd_s=0.0)
     found = pf.run(pf.Sine(amplitude_deg=10.0), setup=gimbal, controller=gains)
     assert found.lost_at is None and not found.warnings
-    assert np.abs(found.angle_deg[600:]).max() < 1.5
+    assert found.residual_deg[1] < 0.8
 
 
 def test_a_small_search_stays_within_its_budget() -> None:
@@ -154,6 +154,7 @@ def test_a_small_search_stays_within_its_budget() -> None:
     found = pf.tune(pt1, 0.2, progress=seen.append, **effort)  # type: ignore[arg-type]
     assert seen == [8, 16, 24] and found.feasible
     assert found == pf.tune(pt1, 0.2, **effort)  # type: ignore[arg-type]
+    # Same numbers again: the search does not depend on threads.
     row = pf.validate(pt1, found.controller, found.parameters, seeds=(3, 4), margin_seeds=1)
     assert row.max_deg[0] > row.rms_deg[0] > 0.0 and row.gain_margin >= 1.5
 
@@ -171,3 +172,64 @@ def test_a_describing_function_tells_amplitudes_apart() -> None:
     assert flat[0] == pytest.approx(flat[1], rel=0.02)
     quiet, loud = pf.describe(sr.MsImmIkf(sample_rate_hz=50.0, noise=pf.Setup().noise), amplitudes_dps=(0.05, 60.0))
     assert quiet[0] < 0.3 and loud[0] == pytest.approx(1.0, abs=0.02)
+
+
+def test_the_page_shows_the_platform_and_stands_alone(tmp_path: Path) -> None:
+    from stillrate.platform.page import write
+    from stillrate.platform.study import Design, Study, measure, show
+
+    setup = pf.Setup()
+    designs = [Design("none", 0.05, pf.Controller()), Design("pt1", 0.05, pf.Controller(), (5.3,))]
+    runs = tuple((d.family, show(d, pf.Sine(), setup=setup, duration_s=4.0)) for d in designs)
+    results = tuple(measure(d, setup=setup, seeds=(1, 2)) for d in designs)
+    study = Study(setup=setup, results=results, fixed=(("none", results[0].row), ("pt1", results[1].row)), runs=runs)
+    path = tmp_path / "page.html"
+    write(study, path)
+    text = path.read_text()
+    assert "type='range'" in text and text.count("<polyline") >= 4 and text.count("<circle") >= 4
+    assert "http" not in text.replace("http-equiv", "")
+    for result in results:
+        assert f"{result.row.max_deg[0]:.2f}" in text
+    with pytest.raises(FileExistsError):
+        write(study, path)
+
+
+def test_the_command_line_refuses_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    from stillrate.cli import main
+
+    for arguments, text in (
+        (["--effort", "heroic"], "--effort heroic"),
+        (["--seeds", "1"], "--seeds 1"),
+        (["--filters", "nonesuch"], "--filters nonesuch"),
+        (["--rate", "123", "--tune"], "dt_s"),
+        (["--rate", "125"], "--tune"),
+    ):
+        assert main(["platform", *arguments]) == 2, arguments
+        assert text in capsys.readouterr().err
+
+
+def test_every_shipped_design_is_quiet_again_after_a_tilt_and_levels() -> None:
+    from stillrate.platform.shipped import SHIPPED
+
+    assert SHIPPED
+    for design in SHIPPED:
+        setup = pf.Setup(sample_rate_hz=design.sample_rate_hz)
+        family = pf.families(setup)[design.family]
+        # Seeds of this test's own; rest jitter is heavy-tailed for a filter that opens by itself, so eight of them.
+        row = pf.validate(
+            family, design.controller, design.parameters, setup=setup, seeds=range(31, 39), margin_seeds=0
+        )
+        name = f"{design.family} at {design.budget_percent} %"
+        assert row.jitter_percent < 2.0 * row.undisturbed_percent, name
+        # 0.125 deg of it is the gyro's bias over the 25 s; the rest is angle random walk and stiction.
+        assert row.levelling_deg[0] < 0.25, name
+
+
+def test_with_the_controller_fixed_the_bank_changes_the_jitter_and_not_the_residual() -> None:
+    from stillrate.platform.study import fixed_test
+
+    found = dict(fixed_test(pf.Setup(), seeds=range(41, 47)))
+    raw, bank = found["none"], found["ms-imm-ikf"]
+    assert bank.rms_deg[0] == pytest.approx(raw.rms_deg[0], rel=0.02)
+    assert bank.max_deg[0] == pytest.approx(raw.max_deg[0], rel=0.02)
+    assert raw.jitter_percent >= 8.0 * bank.jitter_percent

@@ -229,9 +229,15 @@ def test_no_file_does_worse_than_a_log_error(tmp_path_factory, content, suffix):
         ("data_xio3_Inertial.csv", "fmt_xio3"),
         ("xio_sensor_data.csv", "xio_fusion"),
         ("ains_ahrs_imu.parquet", "vessel_sim_smsfusion"),
+        ("sample_appended_multiple.ulg", "ulog_sample_appended_multiple"),
+        ("xio_imu.mcap", "xio_fusion"),
+        ("xio_rosbag2", "xio_fusion"),
     ],
 )
 def test_files_of_real_loggers_agree_with_their_recordings(file, recording):
+    pytest.importorskip("polars")
+    pytest.importorskip("pyulog")
+    pytest.importorskip("rosbags")
     log = sr.read(SHARED / "formats" / file)
     with np.load(SHARED / "recordings" / f"{recording}.npz") as known:
         expected = np.column_stack([known[f"g{axis}_dps"] for axis in "xyz"])[: len(log)]
@@ -240,3 +246,33 @@ def test_files_of_real_loggers_agree_with_their_recordings(file, recording):
     # The recordings are single precision.
     np.testing.assert_allclose(log.rate_dps, expected, rtol=1.2e-7, atol=1e-12)
     assert log.sample_rate_hz == pytest.approx(meta["stats"]["fs_mean"], rel=0.01)
+
+
+def test_hdf5_and_matlab_files_are_read(tmp_path):
+    h5py, matlab = pytest.importorskip("h5py"), pytest.importorskip("scipy.io")
+    t, rates = np.arange(100) / 50.0, np.random.default_rng(2).normal(size=(100, 3))
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["imu/time_s"], file["imu/gyro_rad_s"] = t, rates
+    matlab.savemat(tmp_path / "a.mat", {"t": t[:, None], "imu": {"gyr_dps": rates * RAD}})
+    for name in ("a.h5", "a.mat"):
+        log = sr.read(tmp_path / name)
+        assert log.sample_rate_hz == pytest.approx(50.0), name
+        np.testing.assert_allclose(log.rate_dps, rates * RAD, rtol=1e-12)
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="shared recordings are not here")
+@pytest.mark.parametrize("file", ["sample_appended_multiple.ulg", "xio_imu.mcap", "ains_ahrs_imu.parquet"])
+@pytest.mark.parametrize("damage", ["cut", "no head", "zeros behind", "empty"])
+def test_damaged_logger_files_are_refused_in_one_line(tmp_path, file, damage):
+    pytest.importorskip("polars")
+    pytest.importorskip("pyulog")
+    pytest.importorskip("rosbags")
+    good = (SHARED / "formats" / file).read_bytes()
+    bad = {"cut": good[: len(good) // 2], "no head": good[1000:], "zeros behind": good, "empty": b""}[damage]
+    path = written(tmp_path, bad, file)
+    if damage == "zeros behind":
+        with path.open("r+b") as hole:
+            hole.truncate(2_000_000_000)
+    with pytest.raises(sr.LogError) as caught:
+        sr.read(path)
+    assert "\n" not in str(caught.value)

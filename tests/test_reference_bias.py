@@ -115,7 +115,8 @@ def test_bias_of_a_real_gyro_agrees_with_its_rest(name: str) -> None:
     assert gap.lag_s == pytest.approx(0.00415, abs=0.0009)
     # The estimate is far outside its own sigmas from the mean at rest ...
     assert np.abs(gap.gap_sigmas).max() > 10
-    # ... because the logger truncates towards zero. With half a step put back every axis comes closer, to within one step (0.061 deg/s).
+    # ... because the logger truncates towards zero: with half a step put back every axis comes closer, to within one
+    # step (0.061 deg/s).
     raw = np.abs(gap.plain_deg_h - gap.rest_deg_h)
     corrected = np.abs(gap.plain_deg_h - gap.rest_untruncated_deg_h)
     assert (corrected < raw).all() and corrected.max() < 0.061 * 3600

@@ -30,12 +30,11 @@ if TYPE_CHECKING:
     from stillrate.allan_deviation import Allan, allan
     from stillrate.bias import ReferenceBias, reference_bias
     from stillrate.denoising import denoise
-    from stillrate.cleaning import denoise
     from stillrate.io import Log, read, write
     from stillrate.observe import Observability, bench_imu, observability
     from stillrate.singer import SingerCoefficients, singer_coefficients
-    from stillrate.vector_rls import VectorRls
     from stillrate.tuning import tune
+    from stillrate.vector_rls import VectorRls
 
 # What filtering does not need, by the module it lives in; a name that is its own module stands for the module.
 _LATER = {
@@ -50,7 +49,6 @@ _LATER = {
     "bench_imu": "observe",
     "closed_forms": "closed_forms",
     "denoise": "denoising",
-    "denoise": "cleaning",
     "gimbal": "gimbal",
     "metrics": "metrics",
     "observability": "observe",

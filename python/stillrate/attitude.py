@@ -1,7 +1,7 @@
 """Rotations as users have them: vectors, matrices, quaternions, Euler angles, and the turning Earth.
 
-Conventions: navigation frame north-east-down, body frame forward-right-down, ``c_b_n`` takes body coordinates to navigation
-coordinates; rotation vectors in rad; quaternions scalar first. Everything is computed in the core.
+Conventions: navigation frame north-east-down, body frame forward-right-down, ``c_b_n`` takes body coordinates to
+navigation coordinates; rotation vectors in rad; quaternions scalar first. Everything is computed in the core.
 """
 
 from __future__ import annotations

@@ -45,7 +45,8 @@ class ReferenceBias:
     bias_rad_s : ndarray, shape (3,)
         The bias: measured = true + bias.
     covariance : ndarray, shape (k, k)
-        Of all that was estimated, in the order of `names`. Directions that the motion does not show keep their prior. NaN for shortcuts.
+        Of all that was estimated, in the order of `names`. Directions that the motion does not show keep their prior.
+        NaN for shortcuts.
     names : tuple of str
         bias_x, ..., and mounting_x, ..., lag, scale_x, ... where asked for.
     mounting_rad : ndarray, shape (3,)
@@ -71,7 +72,7 @@ class ReferenceBias:
     iterations : int
         Iterations made.
     converged : bool
-        Whether the iteration settled, clear of the ambiguity at \\|b\\| T = pi.
+        Whether the iteration settled, clear of the ambiguity where bias times time is pi.
     history : tuple of Iteration
         Every iteration.
     """

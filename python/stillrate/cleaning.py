@@ -15,7 +15,6 @@ import numpy.typing as npt
 
 from stillrate import __version__
 from stillrate._native import Filter
-from stillrate.arrays import as_samples
 from stillrate.config import Config, methods
 from stillrate.errors import ConfigError, LogError
 from stillrate.io.log import Log
@@ -210,53 +209,3 @@ def _count(flags: npt.NDArray[np.uint32], counts: dict[str, int]) -> None:
             found = int(np.count_nonzero(flags & flag.value))
             if found:
                 counts[flag.name] = counts.get(flag.name, 0) + found
-
-
-def denoise(samples: Any, *, sample_rate_hz: float, method: str | None = None, dt_s: Any = None) -> npt.NDArray[Any]:
-    """Filter samples with noise figures taken from the samples themselves.
-
-    Parameters
-    ----------
-    samples : array_like, shape (n,) or (n, channels)
-        Rates in deg/s; NaN or masked where missing.
-    sample_rate_hz : float
-        Nominal sample rate in Hz.
-    method : str, optional
-        Method by name; default "ms-imm-ikf".
-    dt_s : array_like, shape (n,), optional
-        Each sample's time step in s, where the rate is irregular.
-
-    Returns
-    -------
-    ndarray
-        Filtered rates, of the same shape.
-
-    Raises
-    ------
-    ConfigError
-        If the rate or the method cannot be used.
-    LogError
-        If there are too few samples to find the noise.
-
-    Examples
-    --------
-    >>> from stillrate import simulate
-    >>> run = simulate.waves(50.0, 1)
-    >>> denoise(run.measured_dps, sample_rate_hz=50.0).shape
-    (9000,)
-    """
-    values = as_samples(samples)
-    columns = values.reshape(len(values), -1)
-    names = tuple(f"channel {index + 1}" for index in range(columns.shape[1]))
-    log = Log(
-        t_s=np.arange(len(columns)) / sample_rate_hz if sample_rate_hz else np.zeros(len(columns)),
-        rate_dps=columns,
-        channels=names,
-        sample_rate_hz=sample_rate_hz,
-    )
-    configs, _ = settings_for(log, method=method)
-    result = np.empty_like(columns)
-    for index, name in enumerate(names):
-        flt = Filter(configs[name], dtype=values.dtype)
-        result[:, index] = flt.run(np.ascontiguousarray(columns[:, index]), dt_s=dt_s)
-    return result.reshape(values.shape)

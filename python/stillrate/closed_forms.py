@@ -1,7 +1,7 @@
 """What the recursive filters do, without running them: gain, noise, lag, bandwidth, and the ways to say "memory".
 
-For a constant forgetting factor (above 0, at most 1) and regular samples. Delays are in samples, frequencies a fraction of the sample rate, noise
-a variance over that of one white sample.
+For a constant forgetting factor (above 0, at most 1) and regular samples. Delays are in samples, frequencies a
+fraction of the sample rate, noise a variance over that of one white sample.
 """
 
 from __future__ import annotations

@@ -154,7 +154,7 @@ class Calibration:
 
 def _rows(values: npt.ArrayLike) -> Floats:
     if isinstance(values, np.ma.MaskedArray):
-        values = values.astype(np.float64).filled(np.nan)
+        values = np.ma.filled(values.astype(np.float64), np.nan)
     array = np.asarray(values, dtype=np.float64)
     if array.ndim != 2:
         raise ValueError(f"expected an array of shape (n, 3), not {array.shape}")

@@ -116,7 +116,8 @@ def observability(
 
     Examples
     --------
-    >>> found = observability([[0, 1], [0, 0]], [[1, 0]], duration_s=10, interval_s=0.1, measurement_sigma=0.01, prior_sigma=1)
+    >>> times = {"duration_s": 10, "interval_s": 0.1}
+    >>> found = observability([[0, 1], [0, 0]], [[1, 0]], **times, measurement_sigma=0.01, prior_sigma=1)
     >>> found.stacked_ranks, found.weak_directions
     ((2,), ())
     """
@@ -152,7 +153,7 @@ def observability(
     )
     weak = tuple(WeakDirection(ratio, _named(names, components)) for ratio, components in found.pop("weak_directions"))
     known = {item.name for item in fields(Observability)}
-    values = {name: tuple(v) if isinstance(v, list) else v for name, v in found.items() if name in known}
+    values: dict[str, Any] = {n: tuple(v) if isinstance(v, list) else v for n, v in found.items() if n in known}
     return Observability(states=names, weak_directions=weak, **values)
 
 
@@ -171,7 +172,8 @@ def bench_imu(
 ) -> tuple[Array, Array, tuple[str, ...]]:
     """Return A, H and the state names of an IMU at rest on the bench with zero-velocity updates.
 
-    Twelve error states: velocity (m/s), attitude (rad), both in north-east-down, gyro bias (rad/s) and accelerometer bias (m/s^2).
+    Twelve error states: velocity (m/s) and attitude (rad) in north-east-down, gyro bias (rad/s), accelerometer bias
+    (m/s^2).
     """
     euler = [float(roll_rad), float(pitch_rad), float(yaw_rad)]
     dynamics, measurement, names = _native.bench_imu_model(euler, float(latitude_rad), float(gravity_m_s2))

@@ -26,8 +26,8 @@ class VectorRlsTrace:
 class VectorRls:
     """Recursive least squares of y = phi' w: UD factors, directional forgetting.
 
-    Factors stay positive and the trace capped, whatever the excitation: constant, zero or collinear. The conventional form breaks
-    there within some thousand samples.
+    Factors stay positive and the trace capped, whatever the excitation: constant, zero or collinear. The conventional
+    form breaks there within some thousand samples.
 
     Parameters
     ----------

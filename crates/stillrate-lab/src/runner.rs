@@ -4,12 +4,16 @@
 //! rows that [`stillrate::Filter::tile`] works on, chooses the widest vector instructions of the machine once a tile, and
 //! keeps the state between calls. Batch, chunked and streamed runs therefore give the same bits.
 
+use rayon::prelude::*;
 use stillrate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 use stillrate::{ConfigError, Real, Reals, Settings};
 
 use crate::saved;
 use crate::settings_map::{SettingsError, SettingsMap, from_map, nearest, to_map};
 use crate::wide;
+
+/// From this many samples on, groups of channels run on several threads; which thread never changes a bit.
+const PARALLEL_FROM: usize = 1 << 15;
 
 /// Number type that a filter computes in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,7 +204,7 @@ struct Running<S: Settings, T: Real> {
     settings: S,
     filter: S::Filter<T>,
     states: Vec<StateOf<S, T>>,
-    last: Vec<Watched<T>>,
+    last: Vec<Watched<T, StateOf<S, T>>>,
 }
 
 impl<S: Settings, T: wide::Wide> Running<S, T> {
@@ -212,25 +216,26 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
 
     /// Runs every channel over the source, the widest group of channels that fits at a time.
     fn run_source(&mut self, source: Source<'_>, timing: Timing<'_>, output: &mut [T]) {
-        let channels = self.states.len();
-        let mut first = 0;
-        while first < channels {
-            let left = channels - first;
-            let width = if left > T::WIDTH / 2 {
-                T::WIDTH
-            } else if left > 1 {
-                4
-            } else {
-                1
-            };
-            let used = left.min(width);
-            let group = &mut self.states[first..first + used];
-            match width {
-                1 => wide::run_group::<T, _, 1>(&self.filter, group, first, source, timing, output),
-                4 => wide::run_group::<T, _, 4>(&self.filter, group, first, source, timing, output),
-                _ => T::run_widest(&self.filter, group, first, source, timing, output),
-            }
-            first += used;
+        let (rows, channels) = source.shape();
+        let filter = &self.filter;
+        let run = |first: usize, group: &mut [StateOf<S, T>], output: &wide::Columns<'_, T>| match group.len() {
+            1 => wide::run_group::<T, _, 1>(filter, group, first, source, timing, output),
+            few if few <= 4 => wide::run_group::<T, _, 4>(filter, group, first, source, timing, output),
+            _ => T::run_widest(filter, group, first, source, timing, output),
+        };
+        let output = wide::Columns::new(output, channels);
+        // Full groups first, then what is left: by fours if that fills half a group at most.
+        let full = channels - channels % T::WIDTH;
+        let rest = channels - full;
+        let narrow = if rest > T::WIDTH / 2 { T::WIDTH } else { 4 };
+        let (wide_states, rest_states) = self.states.split_at_mut(full);
+        let mut groups: Vec<(usize, &mut [StateOf<S, T>])> =
+            wide_states.chunks_mut(T::WIDTH).enumerate().map(|(k, group)| (k * T::WIDTH, group)).collect();
+        groups.extend(rest_states.chunks_mut(narrow).enumerate().map(|(k, group)| (full + k * narrow, group)));
+        if groups.len() > 1 && rows * channels >= PARALLEL_FROM {
+            groups.into_par_iter().for_each(|(first, group)| run(first, group, &output));
+        } else {
+            groups.into_iter().for_each(|(first, group)| run(first, group, &output));
         }
     }
 
@@ -267,6 +272,15 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
         let mut state = self.states[c];
         last.estimate = self.filter.observe(&mut state, sample, &mut Watcher(&mut last.models, &mut last.frequency));
         self.states[c] = state;
+        last.unseen = None;
+    }
+
+    /// One sample, unwatched; what is needed to watch it afterwards is kept.
+    fn step(&mut self, c: usize, sample: Sample<T>) -> T {
+        let last = &mut self.last[c];
+        last.unseen = Some((self.states[c], sample));
+        last.estimate = self.filter.step(&mut self.states[c], sample);
+        last.estimate.rate
     }
 }
 
@@ -283,17 +297,19 @@ fn widened<T: Real>(model: &ModelTrace<T>) -> ModelTrace<f64> {
 
 /// What the last sample of a channel left behind.
 #[derive(Clone, Debug)]
-struct Watched<T> {
+struct Watched<T, U> {
     estimate: Estimate<T>,
     models: Vec<ModelTrace<T>>,
     frequency: T,
+    /// State before the last sample and that sample, if it ran unwatched: models and frequency are then behind.
+    unseen: Option<(U, Sample<T>)>,
 }
 
-impl<T: Real> Watched<T> {
+impl<T: Real, U> Watched<T, U> {
     fn blank(models: usize) -> Self {
         let certain = ModelTrace { probability: T::ONE / T::of(models as f64), ..ModelTrace::default() };
         let estimate = Estimate { flags: Flags::NO_DATA_YET, ..Estimate::default() };
-        Self { estimate, models: vec![certain; models], frequency: T::of(f64::NAN) }
+        Self { estimate, models: vec![certain; models], frequency: T::of(f64::NAN), unseen: None }
     }
 
     fn frequency_hz(&self) -> f64 {
@@ -338,8 +354,7 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
     fn update(&mut self, values: &mut [f64], dt_s: Option<f64>) {
         let dt = dt_s.map_or(self.filter.period(), T::of);
         for (c, value) in values.iter_mut().enumerate().take(self.states.len()) {
-            self.watch(c, Sample { value: T::of(*value), dt });
-            *value = self.last[c].estimate.rate.widen();
+            *value = self.step(c, Sample { value: T::of(*value), dt }).widen();
         }
     }
 
@@ -376,6 +391,10 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
 
     fn estimate(&self, channel: usize) -> LastEstimate {
         let Some(last) = self.last.get(channel) else { return LastEstimate::default() };
+        let mut last = last.clone();
+        if let Some((mut state, sample)) = last.unseen {
+            self.filter.observe(&mut state, sample, &mut Watcher(&mut last.models, &mut last.frequency));
+        }
         LastEstimate {
             rate: last.estimate.rate.widen(),
             acceleration: last.estimate.acceleration.widen(),

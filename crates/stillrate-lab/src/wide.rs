@@ -1,6 +1,8 @@
 //! Tiles and vector instructions: how a group of channels runs through [`Filter::tile`] at the widest width of the
 //! machine. The choice is made once a tile and never changes a bit: every width executes the same operations.
 
+use core::marker::PhantomData;
+
 use stillrate::block;
 use stillrate::{Filter, Real, Reals};
 
@@ -24,7 +26,7 @@ pub trait Wide: Real {
         first: usize,
         source: Source<'_>,
         timing: Timing<'_>,
-        output: &mut [Self],
+        output: &Columns<'_, Self>,
     );
 }
 
@@ -45,7 +47,7 @@ macro_rules! wide {
                 first: usize,
                 source: Source<'_>,
                 timing: Timing<'_>,
-                output: &mut [Self],
+                output: &Columns<'_, Self>,
             ) {
                 run_group::<Self, F, $width>(filter, states, first, source, timing, output);
             }
@@ -56,22 +58,53 @@ macro_rules! wide {
 wide!(f32, 16, Single);
 wide!(f64, 8, Double);
 
+/// A sample-major output that several threads fill, each its own columns.
+pub struct Columns<'a, T> {
+    start: *mut T,
+    len: usize,
+    channels: usize,
+    lifetime: PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: the pointer is only written through, by `write`, whose callers keep to their own columns.
+unsafe impl<T: Send> Sync for Columns<'_, T> {}
+
+impl<'a, T: Copy> Columns<'a, T> {
+    /// Borrows the output for as long as the columns live.
+    pub fn new(output: &'a mut [T], channels: usize) -> Self {
+        Self { start: output.as_mut_ptr(), len: output.len(), channels, lifetime: PhantomData }
+    }
+
+    /// Writes one row of the columns from `first` on.
+    ///
+    /// # Safety
+    /// No other thread may write the same columns.
+    ///
+    /// # Panics
+    /// If the row or the columns lie outside the output.
+    unsafe fn write(&self, row: usize, first: usize, values: &[T]) {
+        let base = row * self.channels + first;
+        assert!(first + values.len() <= self.channels && base + values.len() <= self.len);
+        // SAFETY: inside the borrowed output, and nobody else writes there.
+        unsafe { core::ptr::copy_nonoverlapping(values.as_ptr(), self.start.add(base), values.len()) };
+    }
+}
+
 /// Runs `states.len() <= W` channels, starting with channel `first`, over a table into sample-major `output`.
-/// Idle lanes see missing samples.
+/// Idle lanes repeat the first channel, so that they never need more care than it.
 pub fn run_group<T: Real, F: Filter<T>, const W: usize>(
     filter: &F,
     states: &mut [F::State],
     first: usize,
     source: Source<'_>,
     timing: Timing<'_>,
-    output: &mut [T],
+    output: &Columns<'_, T>,
 ) {
     let used = states.len().min(W);
-    let (total, channels) = source.shape();
+    let (total, _) = source.shape();
     let mut lanes = vec![[T::ZERO; W]; <F::State as Reals<T>>::COUNT];
     for c in 0..W {
-        let state = if c < used { states[c] } else { filter.start() };
-        block::store(&state, &mut lanes, c);
+        block::store(&states[if c < used { c } else { 0 }], &mut lanes, c);
     }
     let mut tile = [[T::of(f64::NAN); W]; ROWS];
     let mut start = 0;
@@ -90,8 +123,8 @@ pub fn run_group<T: Real, F: Filter<T>, const W: usize>(
             }
         }
         for (k, row) in tile[..rows].iter().enumerate() {
-            let base = (start + k) * channels + first;
-            output[base..base + used].copy_from_slice(&row[..used]);
+            // SAFETY: every group of channels is handed to one call only, and `first + used <= channels`.
+            unsafe { output.write(start + k, first, &row[..used]) };
         }
         start += rows;
     }
@@ -100,7 +133,7 @@ pub fn run_group<T: Real, F: Filter<T>, const W: usize>(
     }
 }
 
-/// Copies rows from `start` on into the tile: `used` channels from `first` on, missing samples in idle lanes.
+/// Copies rows from `start` on into the tile: `used` channels from `first` on, the first of them again in idle lanes.
 fn fill<T: Real, U: Real, const W: usize>(
     table: &Table<'_, U>,
     start: usize,
@@ -113,7 +146,8 @@ fn fill<T: Real, U: Real, const W: usize>(
         for (c, cell) in row[..used].iter_mut().enumerate() {
             *cell = T::of(table.items[base + c * table.channel_stride].widen());
         }
-        row[used..].fill(T::of(f64::NAN));
+        let repeated = row[0];
+        row[used..].fill(repeated);
     }
 }
 

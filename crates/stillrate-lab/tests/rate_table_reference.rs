@@ -156,3 +156,27 @@ fn the_staircase_is_rejected() {
     close("slope", &at(&|x| curve.slope(x)), &file["slope_e"], TOLERANCE);
     assert!(guard(&curve, STEEPEST_SLOPE).unwrap_err().contains("rejected"));
 }
+
+#[test]
+fn a_candidate_is_worth_the_same_alone_and_in_any_company() {
+    let z: Vec<f64> = numbers(&load("kf")["z"]).repeat(60);
+    let mut holed = z.clone();
+    holed[700..720].fill(f64::NAN);
+    let records = [Record { measured: &z, truth: Some(&z) }, Record { measured: &holed, truth: Some(&z) }];
+    let ratios: Vec<f64> = (0..45).map(|k| f64::from(k * 7 % 45 + 1) * 0.003).collect();
+    for (walk, criterion) in [
+        (Walk::RandomWalk, Criterion::Innovation),
+        (Walk::RandomWalk, Criterion::Truth),
+        (Walk::RateAcceleration, Criterion::Innovation),
+        (Walk::RateAcceleration, Criterion::Truth),
+    ] {
+        let objective = GainRatio { records: &records, walk, criterion, period_s: 0.1 };
+        let value = |s: &stillrate_lab::tune::gain_ratio::Score| match criterion {
+            Criterion::Innovation => (s.innovation.to_bits(), s.measurement_variance.to_bits()),
+            Criterion::Truth => (s.mean_square_error.to_bits(), 0),
+        };
+        let together: Vec<_> = objective.scores(&ratios).iter().map(value).collect();
+        let alone: Vec<_> = ratios.iter().map(|q| value(&objective.scores(&[*q])[0])).collect();
+        assert_eq!(together, alone);
+    }
+}

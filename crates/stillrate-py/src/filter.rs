@@ -135,21 +135,31 @@ impl Filter {
             self.lock().update(&mut sample, dt_s);
             return Ok(sample[0].into_pyobject(py)?.into_any());
         }
-        let mut row: Vec<f64>;
-        if others.is_empty() && self.channels > 1 {
-            row = value.extract().map_err(|_| self.count_error(1))?;
+        // A row of ordinary size needs no heap.
+        let mut short = [0.0; 16];
+        let mut long = Vec::new();
+        let row = if others.is_empty() {
+            long = value.extract::<Vec<f64>>().map_err(|_| self.count_error(1))?;
+            long.as_mut_slice()
         } else {
-            row = Vec::with_capacity(1 + others.len());
-            row.push(value.extract()?);
-            for other in others {
-                row.push(other.extract()?);
+            let count = 1 + others.len();
+            let row = if count <= short.len() {
+                &mut short[..count]
+            } else {
+                long.resize(count, 0.0);
+                long.as_mut_slice()
+            };
+            row[0] = value.extract()?;
+            for (slot, other) in row[1..].iter_mut().zip(others) {
+                *slot = other.extract()?;
             }
-        }
+            row
+        };
         if row.len() != self.channels {
             return Err(self.count_error(row.len()));
         }
-        self.lock().update(&mut row, dt_s);
-        Ok(PyTuple::new(py, row)?.into_any())
+        self.lock().update(row, dt_s);
+        Ok(PyTuple::new(py, &*row)?.into_any())
     }
 
     #[pyo3(signature = (samples, dt_s=None, trace=false, out=None))]

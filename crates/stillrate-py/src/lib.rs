@@ -18,6 +18,7 @@ mod observability;
 mod rate_table;
 mod recursive;
 mod servo;
+mod servo_objects;
 
 /// The compiled half of the Python package.
 #[pymodule]

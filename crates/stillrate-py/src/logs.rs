@@ -6,15 +6,34 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use stillrate_lab::logs::blackbox;
 use stillrate_lab::logs::delimited::{self, Column, ReadError};
 use stillrate_lab::logs::timebase;
 use stillrate_lab::logs::writer::{self, Style};
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(read_blackbox, module)?)?;
     module.add_function(wrap_pyfunction!(read_delimited, module)?)?;
     module.add_function(wrap_pyfunction!(write_delimited, module)?)?;
     module.add_function(wrap_pyfunction!(analyse_timebase, module)?)?;
     module.add_function(wrap_pyfunction!(time_steps, module)?)
+}
+
+/// Reads a blackbox file: its flights (firmware, stamps, names, columns), and why others cannot be read.
+#[pyfunction]
+fn read_blackbox<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<(Bound<'py, PyList>, Vec<String>)> {
+    let found = py.detach(|| blackbox::read(bytes));
+    let flights = PyList::empty(py);
+    for flight in found.flights {
+        let dict = PyDict::new(py);
+        dict.set_item("firmware", flight.firmware)?;
+        dict.set_item("time_us", PyArray1::from_vec(py, flight.time_us))?;
+        dict.set_item("names", flight.names)?;
+        let columns = flight.columns.into_iter().map(|column| PyArray1::from_vec(py, column));
+        dict.set_item("columns", PyList::new(py, columns)?)?;
+        flights.append(dict)?;
+    }
+    Ok((flights, found.unreadable))
 }
 
 /// Reads delimited text: columns (arrays of int64 or float64, lists of words), and how the file is written.

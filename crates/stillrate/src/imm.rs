@@ -52,6 +52,34 @@ impl<T: Real> Sums2<T> {
         self.second[2] += weight * source.covariance[2] + w1 * d1;
     }
 
+    /// Adds a source to `self`, and to `pulled` the same source with its acceleration pulled towards the fused one until its
+    /// second moment about that fits `cap` (4.3a). Pulling scales deviation and standard deviation alike, so that the pulled
+    /// source's terms are the plain ones times the shrinkage or its square.
+    #[inline(always)]
+    pub(crate) fn add_and_pull(&mut self, pulled: &mut Self, weight: T, source: &Gaussian2<T>, centre: [T; 4], cap: T) {
+        let d0 = source.mean[0] - centre[0];
+        let d1 = source.mean[1] - centre[1];
+        let (w0, w1) = (weight * d0, weight * d1);
+        let moment = source.covariance[2] + d1 * d1;
+        let square = T::select(cap < moment, cap / moment, T::ONE);
+        let shrink = square.root();
+        let rates = weight * source.covariance[0] + w0 * d0;
+        let crossed = weight * source.covariance[1] + w0 * d1;
+        let accelerations = weight * moment;
+        self.weight += weight;
+        self.first[0] += w0;
+        self.first[1] += w1;
+        self.second[0] += rates;
+        self.second[1] += crossed;
+        self.second[2] += accelerations;
+        pulled.weight += weight;
+        pulled.first[0] += w0;
+        pulled.first[1] += shrink * w1;
+        pulled.second[0] += rates;
+        pulled.second[1] += shrink * crossed;
+        pulled.second[2] += square * accelerations;
+    }
+
     /// Both sums together.
     #[inline(always)]
     pub(crate) fn with(&self, other: &Sums4<T>) -> Self {
@@ -166,19 +194,6 @@ fn outer<T: Real>(a: [T; 4], b: [T; 4]) -> [T; 10] {
         a[2] * b[3],
         a[3] * b[3],
     ]
-}
-
-/// A source whose acceleration is pulled towards the fused one until its second moment fits `cap` (4.3a).
-#[inline(always)]
-pub(crate) fn capped<T: Real>(source: &Gaussian2<T>, fused_acceleration: T, cap: T) -> Gaussian2<T> {
-    let deviation = source.mean[1] - fused_acceleration;
-    let moment = source.covariance[2] + deviation * deviation;
-    let square = T::select(cap < moment, cap / moment, T::ONE);
-    let shrink = square.root();
-    Gaussian2 {
-        mean: [source.mean[0], fused_acceleration + shrink * deviation],
-        covariance: [source.covariance[0], shrink * source.covariance[1], square * source.covariance[2]],
-    }
 }
 
 /// Prior probabilities c_j = sum_i pi_ij mu_i of two models, and the weights pi_0j mu_0 / c_j of the first source.

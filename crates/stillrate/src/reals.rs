@@ -64,7 +64,12 @@ impl<T: Copy, U: Reals<T>, const N: usize> Reals<T> for [U; N] {
     const COUNT: usize = N * U::COUNT;
     #[inline(always)]
     fn gather(next: &mut impl FnMut() -> T) -> Self {
-        core::array::from_fn(|_| U::gather(next))
+        // No `from_fn`: its closure stays a call where the instruction set changes.
+        let mut all = [U::gather(next); N];
+        for item in all.iter_mut().skip(1) {
+            *item = U::gather(next);
+        }
+        all
     }
     #[inline(always)]
     fn scatter(&self, put: &mut impl FnMut(T)) {
@@ -100,7 +105,11 @@ impl<U: Lanes, const N: usize> Lanes for [U; N] {
     type Narrow = [U::Narrow; N];
     #[inline(always)]
     fn lane(&self, c: usize) -> Self::Narrow {
-        core::array::from_fn(|k| self[k].lane(c))
+        let mut all = [self[0].lane(c); N];
+        for k in 1..N {
+            all[k] = self[k].lane(c);
+        }
+        all
     }
     #[inline(always)]
     fn set_lane(&mut self, c: usize, narrow: Self::Narrow) {

@@ -18,6 +18,7 @@ COMMANDS = {
     "export-c": "Write a configuration as C and Rust source for firmware, with a self-test.",
     "filter": "Clean a gyro log: same rows and columns, the rates filtered.",
     "platform": "Compare filters in the loop of a stabilised platform, with pictures.",
+    "reproduce": "Compute published figures again and print them beside ours.",
     "simulate": "Write a simulated gyro log of which the truth is known.",
     "tune": "Measure a gyro's noise in a log and write settings for filter.",
 }

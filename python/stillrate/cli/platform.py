@@ -143,7 +143,7 @@ def _measured(setup: Setup, designs: list[Design], seeds: int, motion: Recorded 
     from rich.progress import track
 
     from stillrate.platform import Sine
-    from stillrate.platform.study import Study, fixed_test, measure, show
+    from stillrate.platform.study import Study, describing_test, fixed_test, measure, show
     from stillrate.platform.tuning import VALIDATION_SEEDS
 
     chosen = VALIDATION_SEEDS[:seeds]
@@ -158,8 +158,11 @@ def _measured(setup: Setup, designs: list[Design], seeds: int, motion: Recorded 
         length = min(60.0, len(motion.rate_dps) / motion.sample_rate_hz)
         recorded = tuple((_name(design), show(design, motion, setup=setup, duration_s=length)) for design in looked_at)
     fixed = tuple(fixed_test(setup, seeds=chosen)) if setup.sample_rate_hz == 50.0 else ()
+    described = tuple(describing_test(setup)) if setup.sample_rate_hz == 50.0 else ()
     notes = tuple(dict.fromkeys(text for _, run in (*runs, *recorded) for text in run.warnings))
-    return Study(setup=setup, results=results, fixed=fixed, runs=runs, recorded=recorded, notes=notes)
+    return Study(
+        setup=setup, results=results, fixed=fixed, describing=described, runs=runs, recorded=recorded, notes=notes
+    )
 
 
 def _worth_showing(results: tuple[Result, ...]) -> list[Design]:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from stillrate.errors import LogError
 from stillrate.io import delimited, npz
+from stillrate.io.safely import within_bounds
 from stillrate.io.table import Table
 
 Floats = npt.NDArray[np.float64]
@@ -53,7 +54,7 @@ def read(command: Path, force: Path | None) -> GimbalLog:
 
 def _from_npz(path: Path) -> GimbalLog:
     try:
-        npz.within_bounds(path)
+        within_bounds(path)
         with np.load(path, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
     except (ValueError, EOFError, KeyError) as error:

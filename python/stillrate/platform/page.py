@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from stillrate.platform.running import Run
-from stillrate.platform.study import TILT_S, TILTS_DEG, Result, Study
+from stillrate.platform.study import AMPLITUDES_DPS, DESCRIBED_HZ, TILT_S, TILTS_DEG, Result, Study
 from stillrate.platform.svg import PALETTE, lines, scatter
 
 _STYLE = """
@@ -60,14 +60,15 @@ def page(study: Study) -> str:
         f"<p>One axis of a stabilised platform at {setup.sample_rate_hz:g} Hz. Its base swings by "
         f"{setup.amplitude_deg:g} deg at {setup.frequency_hz:g} Hz; controller and filter were tuned together, with "
         "the same search effort for every filter, at a budget of actuator jitter at rest (rms of the voltage less its "
-        "0.4 s mean, percent of the supply, measured 6 to 14 s after a 15 deg tilt), gain margin 2 and delay margin 10 ms "
-        "demanded. All figures come from noise seeds that the tuner did not see.</p>",
+        "0.4 s mean, percent of the supply, measured 6 to 14 s after a 15 deg tilt), gain margin 2 and delay margin "
+        "10 ms demanded. All figures come from noise seeds that the tuner did not see.</p>",
         _stage(study.runs, "Watch it"),
         _results(study),
         "<h2>Residual against jitter</h2>" + _pareto(study.results),
         "<h2>Angle of the platform in motion</h2>" + _traces(study.runs),
         _tilts(study.results),
         _fixed(study),
+        _describing(study),
     ]
     if study.recorded:
         parts.append("<h2>A recorded base motion</h2>" + _traces(study.recorded, base=True))
@@ -180,6 +181,19 @@ def _fixed(study: Study) -> str:
         + _table(head, rows)
         + "<p>With a fixed PID a good filter does not change the residual: it only makes the actuator quieter at rest. "
         "What it gains in motion comes from the gains it permits.</p>"
+    )
+
+
+def _describing(study: Study) -> str:
+    if not study.describing:
+        return ""
+    head = ["filter", *(f"{amplitude:g} deg/s" for amplitude in AMPLITUDES_DPS)]
+    rows = [[name, *(f"{gain:.2f} / {phase:+.0f} deg" for gain, phase in found)] for name, found in study.describing]
+    return (
+        f"<h2>Gain and phase at {DESCRIBED_HZ:g} Hz against amplitude</h2>"
+        + _table(head, rows)
+        + "<p>An adaptive filter passes little of what is below its noise and everything above: a single phase margin "
+        "says nothing about it. At rest it hides the loop behind it, so jitter is measured after an excitation.</p>"
     )
 
 

@@ -12,6 +12,7 @@ from stillrate.platform.tuning import (
     VALIDATION_SEEDS,
     Family,
     Row,
+    describe_links,
     families,
     integration_error,
     tilt_table,
@@ -23,6 +24,8 @@ FIXED_CONTROLLER = Controller(kappa=0.17, ko_per_s=0.3, kvi_per_s=74.0, kd_s=0.6
 """The controller that every filter gets in the test with the controller fixed."""
 TILTS_DEG = (20.0, 15.0, 10.0, 5.0)
 TILT_S = 0.4
+DESCRIBED_HZ = 3.0
+AMPLITUDES_DPS = (0.05, 0.3, 2.0, 60.0)
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,8 @@ class Design:
     parameters: tuple[float, ...] = ()
     sample_rate_hz: float = 50.0
     feasible: bool = True
+    evaluations: int = 0
+    """Search effort that found it; compare only designs of like effort closely."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,8 @@ class Study:
     setup: Setup
     results: tuple[Result, ...]
     fixed: tuple[tuple[str, Row], ...]
+    describing: tuple[tuple[str, tuple[tuple[float, float], ...]], ...] = ()
+    """Gain and phase of each filter at `AMPLITUDES_DPS`."""
     runs: tuple[tuple[str, Run], ...] = ()
     recorded: tuple[tuple[str, Run], ...] = ()
     notes: tuple[str, ...] = field(default=())
@@ -70,6 +77,7 @@ def tune_all(
 ) -> list[Design]:
     """Tune families with one effort (population, generations, restarts)."""
     known = families(setup)
+    evaluations = effort[0] * (effort[1] + 1) * effort[2]
     designs = []
     for name in names:
         found = tune(
@@ -82,7 +90,15 @@ def tune_all(
             progress=lambda done, name=name: progress(name, done),  # type: ignore[misc]
         )
         designs.append(
-            Design(name, budget_percent, found.controller, found.parameters, setup.sample_rate_hz, found.feasible)
+            Design(
+                name,
+                budget_percent,
+                found.controller,
+                found.parameters,
+                setup.sample_rate_hz,
+                found.feasible,
+                evaluations,
+            )
         )
     return designs
 
@@ -152,6 +168,18 @@ def fixed_test(setup: Setup, *, seeds: Sequence[int] = VALIDATION_SEEDS) -> list
     """Measure every filter with the same controller."""
     return [
         (family.name, validate(family, FIXED_CONTROLLER, setup=setup, seeds=seeds, margin_seeds=1))
+        for family in fixed_families(setup)
+    ]
+
+
+def describing_test(setup: Setup) -> list[tuple[str, tuple[tuple[float, float], ...]]]:
+    """Measure every filter's describing function: what it passes depends on how much there is."""
+    sigma = setup.noise.density_dps_sqrt_hz * setup.sample_rate_hz**0.5
+    return [
+        (
+            family.name,
+            tuple(describe_links(family.links(), setup.sample_rate_hz, DESCRIBED_HZ, AMPLITUDES_DPS, sigma)),
+        )
         for family in fixed_families(setup)
     ]
 

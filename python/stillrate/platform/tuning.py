@@ -210,8 +210,20 @@ def describe(
     seed: int = 1,
 ) -> list[tuple[float, float]]:
     """Return the describing function: (gain, phase in degrees) at each amplitude of the rate, noise present."""
-    chain = links(filter, sample_rate_hz)
-    run = (periods, seed)
+    return describe_links(
+        links(filter, sample_rate_hz), sample_rate_hz, frequency_hz, amplitudes_dps, noise_sigma_dps, (periods, seed)
+    )
+
+
+def describe_links(
+    chain: list[Link],
+    sample_rate_hz: float,
+    frequency_hz: float,
+    amplitudes_dps: Sequence[float],
+    noise_sigma_dps: float,
+    run: tuple[int, int] = (600, 1),
+) -> list[tuple[float, float]]:
+    """Return the describing function of a chain of methods and settings; `run` is periods and seed."""
     found: list[tuple[float, float]] = _native.servo_describe(
         chain, sample_rate_hz, frequency_hz, list(amplitudes_dps), noise_sigma_dps, run
     )

@@ -4,9 +4,10 @@
 1-10-1 network can be built with `Network` to see what it does; `ErrorModel.check` refuses it.
 """
 
-from stillrate.rate_table.model import Calibration, Candidate, ErrorModel, Score, fit, fit_points, plateaus
+from stillrate.rate_table.model import ErrorModel, fit, fit_points, plateaus
 from stillrate.rate_table.network import Network, train
 from stillrate.rate_table.optimise import Minimum, minimise, qpso_trace, uniforms
+from stillrate.rate_table.parts import Calibration, Candidate, Score
 from stillrate.rate_table.tuning import Errors, KalmanRun, TunedNoise, TuningWarning, compare, kalman, track, tune
 
 __all__ = [

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stillrate.rate_table.model import Floats
+from stillrate.rate_table.parts import Floats
 
 WIDTH, HEIGHT = 760, 380
 _LEFT, _RIGHT, _TOP, _BOTTOM = 64, 16, 34, 46
@@ -77,7 +77,8 @@ def picture(
         for k, name in enumerate(ticks):
             x, y = px(float(k)), height - bottom + 12
             out.append(
-                f'<text x="{x:.1f}" y="{y}" text-anchor="end" transform="rotate(-40 {x:.1f} {y})">{html.escape(name)}</text>'
+                f'<text x="{x:.1f}" y="{y}" text-anchor="end" transform="rotate(-40 {x:.1f} '
+                f'{y})">{html.escape(name)}</text>'
             )
     else:
         out += [
@@ -100,7 +101,8 @@ def picture(
             for a, b, e in zip(line.x, line.y, line.error, strict=True):
                 x = px(float(a))
                 out.append(
-                    f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{py(float(b - e)):.1f}" y2="{py(float(b + e)):.1f}" stroke="{line.colour}"/>'
+                    f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{py(float(b - e)):.1f}" '
+                    f'y2="{py(float(b + e)):.1f}" stroke="{line.colour}"/>'
                 )
         out.append(
             f'<rect x="{_LEFT + 8}" y="{_TOP + 4 + 16 * k}" width="10" height="10" fill="{line.colour}"/>'

@@ -12,90 +12,10 @@ import numpy.typing as npt
 
 from stillrate import _native
 from stillrate.errors import LogError
-
-Floats = npt.NDArray[np.float64]
+from stillrate.rate_table.parts import Calibration, Candidate, Floats, Score, as_floats, refusals
 
 MAX_BYTES = 65_536
 """No model file is larger."""
-
-
-def as_floats(values: npt.ArrayLike, name: str) -> Floats:
-    """Return one-dimensional contiguous double precision; masked samples become NaN."""
-    if isinstance(values, np.ma.MaskedArray):
-        values = np.ma.filled(values.astype(np.float64), np.nan)
-    array = np.ascontiguousarray(values, dtype=np.float64)
-    if array.ndim != 1:
-        raise LogError(f"{name} has {array.ndim} dimensions (must have 1)")
-    return array
-
-
-def refusals(call: Any, *arguments: Any) -> Any:
-    """Call native code and turn its refusal into LogError."""
-    try:
-        return call(*arguments)
-    except ValueError as error:
-        raise LogError(str(error)) from None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Candidate:
-    """How one class of curves did.
-
-    Attributes
-    ----------
-    name : str
-        "offset", "line", "quadratic", "cubic" or a line with a small network.
-    held_out_dps : float
-        RMS error of predicting each rate from the others, deg/s; NaN if it could not be fitted.
-    residual_dps : float
-        RMS error on the points it was fitted to, deg/s.
-    steepest_slope : float
-        Largest magnitude of the error's slope in the rate.
-    refused : str or None
-        Why it was not allowed to win.
-    """
-
-    name: str
-    held_out_dps: float
-    residual_dps: float
-    steepest_slope: float
-    refused: str | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Calibration:
-    """The points behind a model and the candidates it was chosen from. All arrays have shape (points,), in deg/s."""
-
-    rate_dps: Floats
-    temperature_c: Floats
-    error_dps: Floats
-    standard_error_dps: Floats
-    residual_dps: Floats
-    samples: Floats
-    candidates: tuple[Candidate, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Score:
-    """RMS error before and after correction.
-
-    Attributes
-    ----------
-    raw_dps, corrected_dps : float
-        RMS of measured (corrected) less true rate, deg/s. For noisy samples both are dominated by the noise.
-    ratio : float
-        corrected over raw: above 1 the correction does harm.
-    out_of_range : float
-        Share of samples outside the calibrated range, where the edge value was held.
-    held_out : bool
-        Whether the figures come from rates that were left out of the fit.
-    """
-
-    raw_dps: float
-    corrected_dps: float
-    ratio: float
-    out_of_range: float
-    held_out: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,7 +85,10 @@ class ErrorModel:
         return self._map("error", rate_dps, temperature_c)[0]
 
     def correct(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> Floats:
-        """Return measured rates less their error; NaN stays NaN. Filter first: the error is best taken at the filtered rate."""
+        """Return measured rates less their error; NaN stays NaN.
+
+        Filter first: the error is best taken at the filtered rate.
+        """
         return self._map("correct", rate_dps, temperature_c)[0]
 
     def outside(self, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None = None) -> npt.NDArray[np.bool_]:
@@ -290,16 +213,16 @@ def fit(
 ) -> ErrorModel:
     """Fit the error of a gyro over its rate from a rate-table log.
 
-    The true rate (never the noisy measured one) is the regressor; offset, line, polynomials and small networks compete by
-    predicting rates left out of the fit.
+    The true rate (never the noisy measured one) is the regressor; offset, line, polynomials and small networks compete
+    by predicting rates left out of the fit.
 
     Parameters
     ----------
     rate_dps : array_like, shape (n,)
         Measured rate; NaN where missing.
     true_dps : array_like, shape (n,) or (rates,)
-        True rate at each sample; or the rates the table was set to, with `sample_rate_hz`: the segments are then found in
-        the log. A true rate that never stands still (an encoder) is averaged in cells.
+        True rate at each sample; or the rates the table was set to, with `sample_rate_hz`: the segments are then found
+        in the log. A true rate that never stands still (an encoder) is averaged in cells.
     temperature_c : array_like, shape (n,), optional
         Temperature at each sample; becomes an input. Give it if the unit drifts with temperature.
     segments : sequence of (first, end), optional

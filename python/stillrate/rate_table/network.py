@@ -8,12 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from stillrate import _native
-from stillrate.rate_table.model import ErrorModel, Floats, as_floats, refusals
+from stillrate.rate_table.model import ErrorModel
+from stillrate.rate_table.parts import Floats, as_floats, refusals
 
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """One trial step of Levenberg-Marquardt: parameter step, objective before and after, mean square and its gradient."""
+    """One trial step of Levenberg-Marquardt: the step, the objective before and after, mean square and gradient."""
 
     step: Floats
     before: float
@@ -116,7 +117,7 @@ def train(
     patience: int = 6,
     seed: int = 1,
 ) -> Network:
-    """Train a network on scaled samples (random 70/15/15 split, early stopping); refused below ten samples a parameter."""
+    """Train a network on scaled samples: 70/15/15 split, early stopping; refused below ten samples a parameter."""
     array = np.asarray(rows, dtype=np.float64)
     inputs = 1 if array.ndim == 1 else array.shape[1]
     parameters, _, _ = refusals(

@@ -1,4 +1,4 @@
-"""One interface to the optimisers: Brent (one dimension), quantum-behaved particle swarm, scipy's differential evolution."""
+"""One interface to the optimisers: Brent, quantum-behaved particle swarm, scipy's differential evolution."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stillrate import _native
-from stillrate.rate_table.model import Floats, refusals
+from stillrate.rate_table.parts import Floats, refusals
 
 Objective = Callable[[Floats], npt.ArrayLike]
 Progress = Callable[[int, int, float], bool | None]

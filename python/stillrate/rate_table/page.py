@@ -9,13 +9,16 @@ import numpy as np
 
 from stillrate.io.safely import atomic
 from stillrate.rate_table.drawing import Line, picture
-from stillrate.rate_table.model import Calibration, ErrorModel
+from stillrate.rate_table.model import ErrorModel
+from stillrate.rate_table.parts import Calibration
 
 _STYLE = (
-    ":root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;max-width:56rem;margin:2rem auto;padding:0 1rem}"
+    ":root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;max-width:56rem;"
+    "margin:2rem auto;padding:0 1rem}"
     "table{border-collapse:collapse;margin:.6rem 0;font-variant-numeric:tabular-nums}"
     "th,td{padding:.25rem .7rem;border-bottom:1px solid #8884;text-align:right}"
-    "th:first-child,td:first-child,th:last-child,td:last-child{text-align:left}svg{width:100%;height:auto}.chosen{font-weight:600}"
+    "th:first-child,td:first-child,th:last-child,td:last-child{text-align:left}"
+    "svg{width:100%;height:auto}.chosen{font-weight:600}"
     ".scroll{overflow-x:auto}"
 )
 
@@ -41,10 +44,13 @@ def render(model: ErrorModel, source: str) -> str:
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
         f'<meta name="viewport" content="width=device-width, initial-scale=1"><style>{_STYLE}</style></head><body>',
         f"<h1>{title}</h1>",
-        f"<p>Chosen: <b>{html.escape(model.kind)}</b>, {model.low_dps:g} .. {model.high_dps:g} deg/s, {model.rates} distinct rates. "
-        f"Systematic error {score.raw_dps:.3g} deg/s RMS uncorrected, <b>{score.corrected_dps:.3g}</b> at rates left out of the fit. "
+        f"<p>Chosen: <b>{html.escape(model.kind)}</b>, {model.low_dps:g} .. {model.high_dps:g} "
+        f"deg/s, {model.rates} distinct rates. "
+        f"Systematic error {score.raw_dps:.3g} deg/s RMS uncorrected, "
+        f"<b>{score.corrected_dps:.3g}</b> at rates left out of the fit. "
         f"Steepest slope {model.steepest_slope():.3g} (limit {model.slope_limit:g}).</p>",
-        "<p>Outside the calibrated range the value at the edge is held and flagged. The figures are about the systematic error; "
+        "<p>Outside the calibrated range the value at the edge is held and flagged. The figures "
+        "are about the systematic error; "
         "noise and slow drift are a filter's business.</p>",
     ]
     if model.calibration is not None:
@@ -95,7 +101,9 @@ def _candidates(model: ErrorModel, points: Calibration) -> str:
         note = found.refused or ("chosen" if chosen else "")
         inner = "".join(f"<td>{cell}</td>" for cell in cells)
         rows.append(
-            f'<tr class="{"chosen" if chosen else ""}"><td>{html.escape(found.name)}</td>{inner}<td>{html.escape(note)}</td></tr>'
+            f"<tr "
+            f'class="{"chosen" if chosen else ""}"><td>{html.escape(found.name)}</td>'
+            f"{inner}<td>{html.escape(note)}</td></tr>"
         )
     return (
         '<h2>Candidates</h2><div class="scroll"><table><tr><th>curve</th><th>left-out rates, deg/s RMS</th>'
@@ -115,8 +123,8 @@ def _residuals(points: Calibration) -> str:
     )
     zero = Line("zero", np.array([points.rate_dps.min(), points.rate_dps.max()]), np.zeros(2), "#999999")
     rows = "".join(
-        f"<tr><td>{rate:.5g}</td><td>{'' if np.isnan(degrees) else f'{degrees:.4g}'}</td><td>{error:.4g}</td><td>{se:.2g}</td>"
-        f"<td>{residual:.4g}</td><td>{count:.0f}</td></tr>"
+        f"<tr><td>{rate:.5g}</td><td>{'' if np.isnan(degrees) else f'{degrees:.4g}'}</td>"
+        f"<td>{error:.4g}</td><td>{se:.2g}</td><td>{residual:.4g}</td><td>{count:.0f}</td></tr>"
         for rate, degrees, error, se, residual, count in zip(
             points.rate_dps,
             points.temperature_c,
@@ -129,6 +137,6 @@ def _residuals(points: Calibration) -> str:
     )
     return (
         picture("Residuals", "true rate, deg/s", "deg/s", [zero, line])
-        + '<h2>Segments</h2><div class="scroll"><table><tr><th>rate, deg/s</th><th>°C</th><th>error</th><th>standard error</th>'
-        f"<th>residual</th><th>samples</th></tr>{rows}</table></div>"
+        + '<h2>Segments</h2><div class="scroll"><table><tr><th>rate, deg/s</th><th>°C</th><th>error</th>'
+        f"<th>standard error</th><th>residual</th><th>samples</th></tr>{rows}</table></div>"
     )

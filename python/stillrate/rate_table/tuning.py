@@ -13,8 +13,8 @@ import numpy.typing as npt
 from stillrate import _native
 from stillrate.errors import LogError
 from stillrate.noise import GyroNoise
-from stillrate.rate_table.model import Floats, as_floats, refusals
 from stillrate.rate_table.optimise import Progress, minimise
+from stillrate.rate_table.parts import Floats, as_floats, refusals
 
 
 class TuningWarning(UserWarning):

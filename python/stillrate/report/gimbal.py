@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from stillrate import __version__
 from stillrate.gimbal import Calibration
@@ -127,10 +128,10 @@ def _picture(found: Calibration, index: int, factor: float) -> str:
     top = float(max(abs(y[half:]).max(), s[half:].max(), 1e-300)) * 1.1
     x_of = 300.0 * t / t[-1]
 
-    def place(values: object) -> str:
+    def place(values: Any) -> str:
         return " ".join(
             f"{a:.1f},{60 - 55 * max(-1.0, min(1.0, b / top)):.1f}" for a, b in zip(x_of, values, strict=True)
-        )  # type: ignore[call-overload]
+        )
 
     band = f"{place(s)} {' '.join(reversed(place(-s).split()))}"
     return (

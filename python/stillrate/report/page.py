@@ -1,7 +1,8 @@
 """The report page: data and viewer in one HTML file.
 
-The viewer is a few hundred lines of our own (`plot.js`, `touch.js`, `page.js`) rather than a plot library of megabytes: the page of a short log stays small enough for a phone, and a long log is embedded whole, so that zooming ends
-at the sample.
+The viewer is a few hundred lines of our own (`plot.js`, `touch.js`, `page.js`) rather than a plot library of megabytes:
+the page of a short log stays small enough for a phone, and a long log is embedded whole, so that zooming ends at the
+sample.
 """
 
 from __future__ import annotations

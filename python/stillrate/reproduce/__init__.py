@@ -1,2 +1,1 @@
 """Published figures, computed again: one module a study; each row says what was reproduced, what was not, and why."""
-"""Published tables beside ours; one function a paper section."""

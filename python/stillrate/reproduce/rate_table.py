@@ -20,10 +20,14 @@ PUBLISHED_MSE = {
 
 CONCLUSION = (
     "The published accuracy belongs to six rates and not to the gyro. A 1-10-1 network that regresses the error on the "
-    "noisy measured rate learns to answer with the nearest of the six rates it was trained at (the staircase), so its error "
-    "on those rates vanishes and on every other motion it is several times worse than no correction at all. No unbiased filter can reach "
-    "such figures: they are below the mean of the whole record. What helps is modest and real: a smooth curve fitted to the "
-    "true rate and chosen on rates left out, behind a filter whose noise was tuned on moving records; nearly all of the gain "
+    "noisy measured rate learns to answer with the nearest of the six rates it was trained at "
+    "(the staircase), so its error "
+    "on those rates vanishes and on every other motion it is several times worse than no "
+    "correction at all. No unbiased filter can reach "
+    "such figures: they are below the mean of the whole record. What helps is modest and real: a "
+    "smooth curve fitted to the "
+    "true rate and chosen on rates left out, behind a filter whose noise was tuned on moving "
+    "records; nearly all of the gain "
     "is the filter's, and on jumps only the bank of models (IMM) keeps it."
 )
 
@@ -93,7 +97,8 @@ def _table3(tables: list[dict[str, Any]]) -> str:
         low_high = PUBLISHED_MSE.get(method)
         published = "-" if low_high is None else f"{low_high[0]:.1e} .. {low_high[1]:.1e}"
         lines.append(
-            f"| {method} | {median(values):.1e} [{min(values):.1e}, {max(values):.1e}] | {median(shapes):.2f} | {published} |"
+            f"| {method} | {median(values):.1e} [{min(values):.1e}, {max(values):.1e}] | "
+            f"{median(shapes):.2f} | {published} |"
         )
     lines.append("| VMD + wavelet threshold | in `benches/rate_table_baselines.py` | - | 1.5e-03 .. 2.7e-03 |")
     return "\n".join(lines)
@@ -113,8 +118,10 @@ def _orderings(tables: list[dict[str, Any]]) -> str:
             "",
             f"- published network + KF below QPSO-KF: {below('published network + QPSO-KF', 'QPSO-KF')} of {count}",
             f"- QPSO-KF below BP-KF: {below('QPSO-KF', 'BP-KF (stand-in)')} of {count} (never by much)",
-            f"- everything below raw: {min(below(name, 'raw') for name in values if name != 'raw')} of {count} at worst",
-            "- published QPSO-KF below VMD below BP-KF: VMD is compared in `benches/rate_table_baselines.py`; the publication does "
+            f"- everything below raw: "
+            f"{min(below(name, 'raw') for name in values if name != 'raw')} of {count} at worst",
+            "- published QPSO-KF below VMD below BP-KF: VMD is compared in "
+            "`benches/rate_table_baselines.py`; the publication does "
             "not define BP-KF, the stand-in maps two statistics of a record to Q/R.",
             *_levels(values),
         ]
@@ -129,11 +136,13 @@ def _levels(values: dict[str, list[float]]) -> list[str]:
         if not low <= middle <= high:
             side = "below" if middle < low else "above"
             lines.append(
-                f"- level not reproduced: {method}, median {middle:.1e} lies {side} the published {low:.1e} .. {high:.1e}"
+                f"- level not reproduced: {method}, median {middle:.1e} lies {side} the published "
+                f"{low:.1e} .. {high:.1e}"
             )
     if any("QPSO-KF" in line for line in lines):
         lines.append(
-            "  (the swarm is not stopped at 1e-5 here, a rule that its first, random particles already meet; level and drift of "
+            "  (the swarm is not stopped at 1e-5 here, a rule that its first, random particles "
+            "already meet; level and drift of "
             "the simulated unit were read off the published table, so only orderings and the collapse are findings)"
         )
     return lines
@@ -145,7 +154,8 @@ def _held_out(studies: list[dict[str, Any]]) -> str:
     lines = [
         f"## Held-out motion, {len(studies)} units, 2 kHz, deg/s RMS over units",
         "",
-        "Calibrated on 13 rates of 10 s; noise tuned on other motions; test noise of its own. The published network is shown for unit 1.",
+        "Calibrated on 13 rates of 10 s; noise tuned on other motions; test noise of its own. "
+        "The published network is shown for unit 1.",
         "",
         "| method | "
         + " | ".join(["in range", "over raw", "worst motion over raw", *_SHORT, *jumps, "outside"])
@@ -193,7 +203,9 @@ def _bank(studies: list[dict[str, Any]]) -> str:
         ]
         bank = rows["IMM bank, innovations, then calibration"]
         worst = max(worst, *(b / min(s) for b, s in zip(bank, zip(*small, strict=True), strict=True)))
-    return f"IMM bank over the best small filter tuned on motion, worst of all motions and units (jumps included): {worst:.2f}."
+    return (
+        f"IMM bank over the best small filter tuned on motion, worst motion of all units, jumps included: {worst:.2f}."
+    )
 
 
 def _tuning(studies: list[dict[str, Any]]) -> str:
@@ -201,7 +213,8 @@ def _tuning(studies: list[dict[str, Any]]) -> str:
     still = [s["on_constants"][0] for s in studies]
     return (
         "Innovations against truth, log10(Q/R) on the moving records: at most "
-        f"{max(gaps[0]):.2f} decades apart (random walk), {max(gaps[1]):.2f} (two states). On constant records the innovations "
+        f"{max(gaps[0]):.2f} decades apart (random walk), {max(gaps[1]):.2f} (two states). On "
+        f"constant records the innovations "
         f"give {median(still):.1f} instead of {median(s['blind'][0] for s in studies):.1f}, and a warning: "
         f"{sum(bool(s['warned']) for s in studies)} of {len(studies)}."
     )

@@ -159,8 +159,8 @@ def two_point(console: Console | None = None) -> None:
 class BroadGap:
     """Bias of a real gyro against motion capture, beside the mean of its rest phase; deg/h.
 
-    The logger truncates towards zero (the bin of code 0 is twice as wide as the others, at rest and in motion), which takes half a
-    step off the mean at rest but nothing off the mean in motion: `rest_untruncated_deg_h` puts it back.
+    The logger truncates towards zero (the bin of code 0 is twice as wide as the others, at rest and in motion), which
+    takes half a step off the mean at rest but nothing off the mean in motion: `rest_untruncated_deg_h` puts it back.
     """
 
     rest_deg_h: npt.NDArray[np.float64]
@@ -188,8 +188,8 @@ class BroadGap:
 def broad_gap(path: Path, every_s: float = 0.5, reference_sigma_deg: float = 0.2) -> BroadGap:
     """Estimate the bias of a BROAD recording from its motion phase and compare it with its rest phase.
 
-    The motion capture's attitude is the reference every `every_s` seconds; mounting and lag are estimated, then scale factors as well. The rates
-    are instantaneous samples. The camera frame's heading is unknown, so Earth rate (at most 15 deg/h) stays in the gap.
+    The motion capture's attitude is the reference every `every_s` seconds; mounting and lag are estimated, then scale
+    factors as well. The rates are instantaneous samples. The camera frame's heading is unknown, so Earth rate (at most 15 deg/h) stays in the gap.
 
     Parameters
     ----------

@@ -2,6 +2,7 @@
 //!
 //! Nothing here filters; it turns bytes into columns and columns into bytes, once per log.
 
+pub mod blackbox;
 pub mod delimited;
 pub mod dialect;
 pub mod timebase;

@@ -4,6 +4,9 @@
 //! what its owner would have: the rate table gives the truth for the calibration; noise is tuned on motions with truth or by the
 //! innovations without.
 
+// A boxed closure from record to record is as simple as it gets.
+#![allow(clippy::type_complexity)]
+
 use stillrate::correction::ErrorCurve;
 use stillrate::filters::{MsImmIkf, MsImmIkfSettings};
 use stillrate::{Filter, Real, Sample, Settings};

@@ -29,15 +29,29 @@ pub struct Row {
     pub lag: f64,
 }
 
-/// RMS error over sigma in one scenario, over all seeds.
+/// A scenario played out: truth and measurement, once a seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Played(Vec<(Vec<f64>, Vec<f64>)>);
+
+/// Plays a scenario on all seeds.
 #[must_use]
-pub fn relative_error<F: Filter<f64>>(filter: F, scenario: Scenario, seeds: &[u64]) -> f64 {
+pub fn play(scenario: Scenario, seeds: &[u64]) -> Played {
+    let one = |&seed: &u64| {
+        let clean = truth(scenario, seed);
+        let noisy = measured(&clean, seed);
+        (clean, noisy)
+    };
+    Played(seeds.iter().map(one).collect())
+}
+
+/// RMS error over sigma, over all seeds.
+#[must_use]
+pub fn relative_error<F: Filter<f64>>(filter: F, played: &Played) -> f64 {
     let mut sum = 0.0;
     let mut count = 0.0;
-    for &seed in seeds {
-        let clean = truth(scenario, seed);
+    for (clean, noisy) in &played.0 {
         let mut run = feed(filter);
-        for (value, rate) in measured(&clean, seed).into_iter().zip(&clean) {
+        for (&value, rate) in noisy.iter().zip(clean) {
             let error = run(value) - rate;
             sum += error * error;
             count += 1.0;
@@ -47,13 +61,12 @@ pub fn relative_error<F: Filter<f64>>(filter: F, scenario: Scenario, seeds: &[u6
 }
 
 fn row<F: Filter<f64>>(name: &str, filter: F, seeds: &[u64]) -> Row {
-    let error = SCENARIOS.par_iter().map(|&(_, scenario)| relative_error(filter, scenario, seeds)).collect();
-    let lags: Vec<f64> = seeds
-        .iter()
-        .map(|&seed| {
-            let clean = truth(Scenario::Mixed, seed);
-            let mut run = feed(filter);
-            let estimate: Vec<f64> = measured(&clean, seed).into_iter().map(&mut run).collect();
+    let error = SCENARIOS.par_iter().map(|&(_, scenario)| relative_error(filter, &play(scenario, seeds))).collect();
+    let lags: Vec<f64> = play(Scenario::Mixed, seeds)
+        .0
+        .into_iter()
+        .map(|(clean, noisy)| {
+            let estimate: Vec<f64> = noisy.into_iter().map(feed(filter)).collect();
             lag_ms(&estimate, &clean, SAMPLE_RATE_HZ, 0.5) * SAMPLE_RATE_HZ / 1000.0
         })
         .collect();
@@ -99,12 +112,13 @@ pub const QUIET_ALLOWED: f64 = 0.165;
 #[must_use]
 pub fn tune_one_euro(draws: usize, search_seed: u64, seeds: &[u64]) -> OneEuroSettings {
     let mut random = Random::new(search_seed, 0);
+    let (quiet, mixed) = (play(Scenario::Quiet, seeds), play(Scenario::Mixed, seeds));
     let score = |settings: &OneEuroSettings| -> f64 {
         let Ok(filter) = settings.build::<f64>() else { return f64::INFINITY };
-        if relative_error(filter, Scenario::Quiet, seeds) > QUIET_ALLOWED {
+        if relative_error(filter, &quiet) > QUIET_ALLOWED {
             return f64::INFINITY;
         }
-        relative_error(filter, Scenario::Mixed, seeds)
+        relative_error(filter, &mixed)
     };
     let between = |random: &mut Random, low: f64, high: f64| {
         (low.logarithm() + (high.logarithm() - low.logarithm()) * random.uniform()).exponential()

@@ -98,10 +98,15 @@ fn textbook(method: &str, settings: &SettingsMap) -> Result<Option<Discrete>, Se
     }))
 }
 
-/// A chain's linear equivalent, for the linearised loop: its one textbook or PT1 filter, else none (an adaptive filter that has opened).
+/// A chain's linear equivalent for the linearised loop, and whether that is all of it: its last textbook or PT1 filter; every
+/// other filter counts as fully open.
 #[must_use]
-pub fn linear_equivalent(chain: &[(String, SettingsMap)]) -> Discrete {
-    let [(method, settings)] = chain else { return Discrete::None };
+pub fn linear_equivalent(chain: &[(String, SettingsMap)]) -> (Discrete, bool) {
+    let found: Vec<Discrete> = chain.iter().map(linear_link).filter(|link| *link != Discrete::None).collect();
+    (found.last().copied().unwrap_or(Discrete::None), found.len() == chain.len() && chain.len() <= 1)
+}
+
+fn linear_link((method, settings): &(String, SettingsMap)) -> Discrete {
     if let Ok(Some(filter)) = textbook(method, settings) {
         return filter;
     }

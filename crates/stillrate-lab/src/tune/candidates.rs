@@ -17,6 +17,7 @@ pub(crate) struct RandomWalks<const W: usize> {
     p: [f64; W],
     k: [f64; W],
     f: [f64; W],
+    information: [f64; W],
     x: [f64; W],
     settled: [f64; W],
 }
@@ -24,7 +25,7 @@ pub(crate) struct RandomWalks<const W: usize> {
 impl<const W: usize> Candidates<W> for RandomWalks<W> {
     #[inline(always)]
     fn start(q: &[f64; W], _period_s: f64, first: f64) -> Self {
-        Self { q: *q, p: [1.0; W], k: [0.0; W], f: [1.0; W], x: [first; W], settled: [0.0; W] }
+        Self { q: *q, p: [1.0; W], k: [0.0; W], f: [1.0; W], information: [1.0; W], x: [first; W], settled: [0.0; W] }
     }
 
     #[inline(always)]
@@ -32,10 +33,12 @@ impl<const W: usize> Candidates<W> for RandomWalks<W> {
         for l in 0..W {
             let predicted = self.p[l] + self.q[l];
             let f = predicted + 1.0;
-            let k = predicted / f;
+            let information = 1.0 / f;
+            let k = predicted * information;
             let held = self.settled[l] == 1.0;
             self.settled[l] = f64::select(held || has_settled(self.k[l], k), 1.0, 0.0);
             self.f[l] = f64::select(held, self.f[l], f);
+            self.information[l] = f64::select(held, self.information[l], information);
             self.k[l] = f64::select(held, self.k[l], k);
             self.p[l] = f64::select(held, self.p[l], (1.0 - k) * predicted);
         }
@@ -70,6 +73,11 @@ impl<const W: usize> Candidates<W> for RandomWalks<W> {
     }
 
     #[inline(always)]
+    fn information(&self) -> &[f64; W] {
+        &self.information
+    }
+
+    #[inline(always)]
     fn rate(&self) -> &[f64; W] {
         &self.x
     }
@@ -84,6 +92,7 @@ pub(crate) struct RateAccelerations<const W: usize> {
     p: [[f64; W]; 3],
     k: [[f64; W]; 2],
     f: [f64; W],
+    information: [f64; W],
     x: [[f64; W]; 2],
     settled: [f64; W],
 }
@@ -108,6 +117,7 @@ impl<const W: usize> Candidates<W> for RateAccelerations<W> {
             p: [[1.0; W], [0.0; W], [ACCELERATION_VARIANCE; W]],
             k: [[0.0; W]; 2],
             f: [1.0; W],
+            information: [1.0; W],
             x: [[first; W], [0.0; W]],
             settled: [0.0; W],
         }
@@ -118,11 +128,13 @@ impl<const W: usize> Candidates<W> for RateAccelerations<W> {
         for l in 0..W {
             let [p11, p12, p22] = self.predicted(l);
             let f = p11 + 1.0;
-            let [k1, k2] = [p11 / f, p12 / f];
+            let information = 1.0 / f;
+            let [k1, k2] = [p11 * information, p12 * information];
             let still = has_settled(self.k[0][l], k1) && has_settled(self.k[1][l], k2);
             let held = self.settled[l] == 1.0;
             self.settled[l] = f64::select(held || still, 1.0, 0.0);
             self.f[l] = f64::select(held, self.f[l], f);
+            self.information[l] = f64::select(held, self.information[l], information);
             self.k[0][l] = f64::select(held, self.k[0][l], k1);
             self.k[1][l] = f64::select(held, self.k[1][l], k2);
             // Joseph's form of the only entry that could lose its sign is p22 - k2 p12 with k2 p12 <= p22.
@@ -164,6 +176,11 @@ impl<const W: usize> Candidates<W> for RateAccelerations<W> {
     #[inline(always)]
     fn innovation_variance(&self) -> &[f64; W] {
         &self.f
+    }
+
+    #[inline(always)]
+    fn information(&self) -> &[f64; W] {
+        &self.information
     }
 
     #[inline(always)]

@@ -46,6 +46,11 @@ pub struct Score {
     pub mean_square_error: f64,
 }
 
+impl Score {
+    /// Not valued yet.
+    const NONE: Self = Self { innovation: f64::NAN, measurement_variance: f64::NAN, mean_square_error: f64::NAN };
+}
+
 /// An objective over log10 q (one dimension), or over log10 Q and log10 R (two).
 ///
 /// # Example
@@ -75,7 +80,16 @@ impl GainRatio<'_> {
     pub fn scores(&self, ratios: &[f64]) -> Vec<Score> {
         match ratios.len() {
             1 => self.groups::<1>(ratios),
-            _ => self.groups::<WIDTH>(ratios),
+            _ => {
+                // Neighbours of like q settle together; the value of a candidate does not depend on its neighbours.
+                let mut order: Vec<usize> = (0..ratios.len()).collect();
+                order.sort_by(|&a, &b| ratios[b].total_cmp(&ratios[a]));
+                let sorted: Vec<f64> = order.iter().map(|&k| ratios[k]).collect();
+                let mut scores = vec![Score::NONE; ratios.len()];
+                let found = self.groups::<WIDTH>(&sorted);
+                order.iter().zip(found).for_each(|(&k, score)| scores[k] = score);
+                scores
+            }
         }
     }
 

@@ -28,11 +28,13 @@ pub(crate) trait Candidates<const W: usize>: Sized {
     fn settled(&self) -> &[f64; W];
     /// Innovation variances.
     fn innovation_variance(&self) -> &[f64; W];
+    /// Their reciprocals.
+    fn information(&self) -> &[f64; W];
     /// Estimated rates.
     fn rate(&self) -> &[f64; W];
 }
 
-/// What a run over one record adds up, for `W` candidates.
+/// What a run over one record adds up, for `W` candidates: the innovations, or with a truth only the errors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sums<const W: usize> {
     /// Innovations that were counted.
@@ -96,8 +98,10 @@ fn run_plain<M: Candidates<W>, const W: usize>(q: &[f64; W], dt: f64, z: &[f64],
         } else if !settled {
             filters.gain();
             let innovation = filters.update(z[k]);
-            tally.add(&innovation, filters.innovation_variance(), filters.settled());
-            settled = filters.settled().iter().all(|s| *s == 1.0);
+            if truth.is_none() {
+                tally.add(&innovation, &filters);
+            }
+            settled = filters.settled().iter().sum::<f64>() == W as f64;
         } else {
             let end = z[k..].iter().position(|v| !v.is_finite()).map_or(z.len(), |gap| k + gap);
             tally.add_settled(&mut filters, z, truth, k..end);
@@ -130,10 +134,11 @@ impl<const W: usize> Tally<W> {
     }
 
     #[inline(always)]
-    fn add(&mut self, innovation: &[f64; W], variance: &[f64; W], settled: &[f64; W]) {
+    fn add<M: Candidates<W>>(&mut self, innovation: &[f64; W], filters: &M) {
+        let (variance, information, settled) =
+            (filters.innovation_variance(), filters.information(), filters.settled());
         for l in 0..W {
-            let information = 1.0 / variance[l];
-            self.sums.weighted_square[l] += innovation[l] * innovation[l] * information;
+            self.sums.weighted_square[l] += innovation[l] * innovation[l] * information[l];
             self.product[l] *= f64::select(settled[l] == 1.0, 1.0, variance[l].least(LARGEST_VARIANCE));
             self.at_settled[l] += settled[l];
         }
@@ -152,23 +157,20 @@ impl<const W: usize> Tally<W> {
         truth: Option<&[f64]>,
         range: core::ops::Range<usize>,
     ) {
-        let information = filters.innovation_variance().map(|variance| 1.0 / variance);
+        if truth.is_some() {
+            for k in range {
+                filters.update(z[k]);
+                self.compare(filters.rate(), truth, k);
+            }
+            return;
+        }
+        let information = *filters.information();
         let mut square = self.sums.weighted_square;
         let count = range.len();
-        if truth.is_none() {
-            for &value in &z[range] {
-                let innovation = filters.update(value);
-                for l in 0..W {
-                    square[l] += innovation[l] * innovation[l] * information[l];
-                }
-            }
-        } else {
-            for k in range {
-                let innovation = filters.update(z[k]);
-                for l in 0..W {
-                    square[l] += innovation[l] * innovation[l] * information[l];
-                }
-                self.compare(filters.rate(), truth, k);
+        for &value in &z[range] {
+            let innovation = filters.update(value);
+            for l in 0..W {
+                square[l] += innovation[l] * innovation[l] * information[l];
             }
         }
         self.sums.weighted_square = square;

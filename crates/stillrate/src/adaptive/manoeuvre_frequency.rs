@@ -56,4 +56,20 @@ impl<T: Real> MotionMoments<T> {
         let angle = T::select(known, ratio.root().limited(memory.angle_min, memory.angle_max), self.angle);
         Self { mean_rate, rate_square, acceleration_square: fast, acceleration_square_slow: slow, angle }
     }
+
+    /// These moments where `condition` holds, else the others.
+    #[inline(always)]
+    pub(crate) fn or_else(&self, condition: bool, other: &Self) -> Self {
+        Self {
+            mean_rate: T::select(condition, self.mean_rate, other.mean_rate),
+            rate_square: T::select(condition, self.rate_square, other.rate_square),
+            acceleration_square: T::select(condition, self.acceleration_square, other.acceleration_square),
+            acceleration_square_slow: T::select(
+                condition,
+                self.acceleration_square_slow,
+                other.acceleration_square_slow,
+            ),
+            angle: T::select(condition, self.angle, other.angle),
+        }
+    }
 }

@@ -93,7 +93,7 @@ pub const PROJECTION_TOLERANCE: f64 = 1e-2;
 /// ```
 /// use nalgebra::Matrix3;
 /// use stillrate::attitude::{check_dcm, project_to_rotation};
-/// let rounded = Matrix3::new(0.9397, -0.342, 0.0, 0.342, 0.9397, 0.0, 0.0, 0.0, 1.0);
+/// let rounded = Matrix3::new(0.94, -0.342, 0.0, 0.342, 0.94, 0.0, 0.0, 0.0, 1.0);
 /// assert!(check_dcm(&rounded).is_err());
 /// assert!(check_dcm(&project_to_rotation(&rounded).unwrap()).is_ok());
 /// ```

@@ -8,6 +8,7 @@ use crate::error::{ConfigError, not_negative, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::memory::{Memory, check_memory, tau_of, visit_memory};
+use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::real::Real;
@@ -159,13 +160,33 @@ impl<T: Real> Filter<T> for CusumForgetting<T> {
         sample: Sample<T>,
         observer: &mut O,
     ) -> Estimate<T> {
+        self.follow::<false, O>(state, sample, observer)
+    }
+
+    #[inline(always)]
+    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        self.tile_paced(lanes, tile, dt);
+    }
+}
+
+impl<T: Real> Paced<T> for CusumForgetting<T> {
+    #[inline(always)]
+    fn follow<const NOMINAL: bool, O: Observer<T>>(
+        &self,
+        state: &mut CusumForgettingState<T>,
+        sample: Sample<T>,
+        observer: &mut O,
+    ) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
         let usable = checked.present && !state.mean.empty();
         let innovation = checked.value - state.mean.level;
         let innovation_scale = self.sigma * (T::ONE + state.gain).root();
         let alarm = state.detect(innovation / innovation_scale, self.drift, self.threshold, usable);
-        let loss =
-            if checked.dt == self.period_s { self.loss } else { -(-checked.dt / self.tau_s).exponential_less_one() };
+        let loss = if NOMINAL || checked.dt == self.period_s {
+            self.loss
+        } else {
+            -(-checked.dt / self.tau_s).exponential_less_one()
+        };
         let loss = T::select(checked.moves, loss, T::ZERO);
         let mean = &mut state.mean;
         mean.weigh(loss, checked.present);

@@ -13,6 +13,7 @@ use crate::filter::{Checked, Estimate, Filter, Observer, Sample};
 use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::line::LineState;
 use crate::filters::recursive::memory::{Memory, check_memory, factor_of, visit_memory};
+use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::real::Real;
@@ -104,9 +105,12 @@ plain! {
 impl<T: Real> WeightedMean<T> {
     /// 1 - lambda over the step that passed; 0 where no time did.
     #[inline(always)]
-    fn loss_over(&self, checked: &Checked<T>) -> T {
-        let loss =
-            if checked.dt == self.period_s { self.loss } else { -(-checked.dt / self.tau_s).exponential_less_one() };
+    fn loss_over<const NOMINAL: bool>(&self, checked: &Checked<T>) -> T {
+        let loss = if NOMINAL || checked.dt == self.period_s {
+            self.loss
+        } else {
+            -(-checked.dt / self.tau_s).exponential_less_one()
+        };
         T::select(checked.moves, loss, T::ZERO)
     }
 }
@@ -124,8 +128,25 @@ impl<T: Real> Filter<T> for WeightedMean<T> {
 
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut LevelState<T>, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
+        self.follow::<false, O>(state, sample, observer)
+    }
+
+    #[inline(always)]
+    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        self.tile_paced(lanes, tile, dt);
+    }
+}
+
+impl<T: Real> Paced<T> for WeightedMean<T> {
+    #[inline(always)]
+    fn follow<const NOMINAL: bool, O: Observer<T>>(
+        &self,
+        state: &mut LevelState<T>,
+        sample: Sample<T>,
+        observer: &mut O,
+    ) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
-        let loss = self.loss_over(&checked);
+        let loss = self.loss_over::<NOMINAL>(&checked);
         let innovation = checked.value - state.level;
         let innovation_variance = self.sample_variance * (T::ONE + state.noise_gain);
         state.weigh(loss, checked.present);
@@ -172,11 +193,16 @@ reals! {
 
 impl<T: Real> RecursiveLeastSquares<T> {
     #[inline(always)]
-    fn follow_line<O: Observer<T>>(&self, line: &mut LineState<T>, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
+    fn follow_line<const NOMINAL: bool, O: Observer<T>>(
+        &self,
+        line: &mut LineState<T>,
+        sample: Sample<T>,
+        observer: &mut O,
+    ) -> Estimate<T> {
         let config = &self.mean;
         let checked = sample.check(config.limit, config.period_s);
         let passage = line.pass(&checked, config.period_s);
-        let loss = config.loss_over(&checked);
+        let loss = config.loss_over::<NOMINAL>(&checked);
         let innovation_variance = config.sample_variance * (T::ONE + line.noise_gain());
         line.age(passage.periods, T::ONE - loss);
         let innovation = checked.value - line.level;
@@ -206,20 +232,32 @@ impl<T: Real> Filter<T> for RecursiveLeastSquares<T> {
         sample: Sample<T>,
         observer: &mut O,
     ) -> Estimate<T> {
-        if self.order == T::TWO {
-            self.follow_line(&mut state.line, sample, observer)
-        } else {
-            self.mean.observe(&mut state.mean, sample, observer)
-        }
+        self.follow::<false, O>(state, sample, observer)
     }
 
     #[inline(always)]
     fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
         if self.order == T::TWO {
-            crate::block::step_rows(self, lanes, tile, dt);
+            self.tile_paced(lanes, tile, dt);
         } else {
             // The mean's numbers come first in the state, so its own loop runs on them without touching the rest.
             self.mean.tile(lanes, tile, dt);
+        }
+    }
+}
+
+impl<T: Real> Paced<T> for RecursiveLeastSquares<T> {
+    #[inline(always)]
+    fn follow<const NOMINAL: bool, O: Observer<T>>(
+        &self,
+        state: &mut RecursiveLeastSquaresState<T>,
+        sample: Sample<T>,
+        observer: &mut O,
+    ) -> Estimate<T> {
+        if self.order == T::TWO {
+            self.follow_line::<NOMINAL, O>(&mut state.line, sample, observer)
+        } else {
+            self.mean.follow::<NOMINAL, O>(&mut state.mean, sample, observer)
         }
     }
 }

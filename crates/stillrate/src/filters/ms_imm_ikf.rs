@@ -8,15 +8,17 @@
 //! Departures from the textbook cycle: the acceleration of other models is capped when an oscillator takes it over, the frequency
 //! and the prior variances have memories of their own, and rest has a longer dwell time than motion.
 
+use super::ms_imm_ikf_cycle::Readings;
 use crate::adaptive::manoeuvre_frequency::{FrequencyMemory, MotionMoments};
-use crate::filter::{Checked, Estimate, Filter, Flags, LONGEST_GAP_S, Observer, Sample};
+use crate::block;
+use crate::filter::{Estimate, Filter, Flags, LONGEST_GAP_S, Observer, Sample};
 use crate::gaussian::{Gaussian2, Gaussian4};
 use crate::models::SingerCoefficients;
 use crate::models::oscillator::OscillatorStep;
 use crate::plain;
 use crate::real::Real;
 use crate::reals;
-use crate::reals::{Lane, Lanes, Reals};
+use crate::reals::{Lane, Lanes};
 
 /// Most rungs a ladder can have: up to 32 kHz.
 pub const RUNGS: usize = 8;
@@ -223,23 +225,30 @@ impl<T: Real> MsImmIkf<T> {
         }
     }
 
-    /// Renews the oscillators' coefficients of one channel from the followed motion.
-    #[inline(never)]
-    fn renew<const W: usize>(&self, s: &mut Wide<T, W>, c: usize, elapsed: T) {
-        let angle = s.motion.angle.0[c];
-        let square = angle * angle;
-        let fourth = square * square;
-        // Quadrature is made for up to a quarter turn; a longer step forgets the phase.
-        let phase_known = elapsed <= T::ONE || angle * elapsed <= self.memory.angle_max;
-        let mut step = if phase_known { OscillatorStep::new(angle, elapsed) } else { OscillatorStep::forgetful() };
-        step.noise = step.noise.map(|value| value * fourth);
-        s.step.set_lane(c, step);
+    /// Renews the oscillators' coefficients from the followed motion in every channel where they are due.
+    #[inline(always)]
+    fn renew<const W: usize>(&self, s: &mut Wide<T, W>, elapsed: T) {
         let share = self.noise_share;
-        let motion = T::of(LACKING_FACTOR) * s.motion.acceleration_square.0[c];
-        s.lacking_next[0].0[c] = square * motion + share * fourth;
-        s.lacking_next[1].0[c] = fourth * motion + share * fourth * square;
-        s.renew_in.0[c] = self.refresh_samples;
-        s.made_for.0[c] = elapsed;
+        for c in 0..W {
+            let due = (s.renew_in.0[c] <= T::ZERO) | (s.made_for.0[c] != elapsed);
+            let angle = s.motion.angle.0[c];
+            let square = angle * angle;
+            let fourth = square * square;
+            // Quadrature is made for up to a quarter turn; a longer step forgets the phase.
+            let phase_known = (elapsed <= T::ONE) | (angle * elapsed <= self.memory.angle_max);
+            let mut step = OscillatorStep::new(angle, elapsed).unless_forgotten(phase_known);
+            for noise in &mut step.noise {
+                *noise *= fourth;
+            }
+            s.step.set_lane(c, step.or_else(due, &s.step.lane(c)));
+            let motion = T::of(LACKING_FACTOR) * s.motion.acceleration_square.0[c];
+            let lacking = [square * motion + share * fourth, fourth * motion + share * fourth * square];
+            for k in 0..2 {
+                s.lacking_next[k].0[c] = T::select(due, lacking[k], s.lacking_next[k].0[c]);
+            }
+            s.renew_in.0[c] = T::select(due, self.refresh_samples, s.renew_in.0[c]);
+            s.made_for.0[c] = T::select(due, elapsed, s.made_for.0[c]);
+        }
     }
 
     /// One row of samples, one a channel. Every loop over channels is innermost and free of branches.
@@ -250,43 +259,60 @@ impl<T: Real> MsImmIkf<T> {
         z: &[T; W],
         dt: T,
         observer: &mut O,
-    ) -> [Estimate<T>; W] {
-        let mut checked: [Checked<T>; W] =
-            core::array::from_fn(|c| Sample { value: z[c], dt }.check(self.limit, self.period_s));
-        let restart = checked[0].restart;
-        if restart {
+    ) -> [Flags; W] {
+        let time = Sample { value: T::ZERO, dt }.check(self.limit, self.period_s);
+        let mut ordinary = time.moves && !time.restart && self.outlier_probability == T::ZERO;
+        for c in 0..W {
+            let size = z[c].magnitude();
+            ordinary &= (s.started.0[c] != T::ZERO) & (size <= self.limit) & (size < self.saturation);
+        }
+        if time.restart {
             *s = self.start_wide();
         }
-        if !checked[0].moves {
-            return core::array::from_fn(|c| self.summary(s, c, checked[c].flags));
+        if !time.moves {
+            return z.map(|value| Sample { value, dt }.check(self.limit, self.period_s).flags);
         }
-        let elapsed = T::select(dt == self.period_s || restart, T::ONE, dt / self.period_s);
+        let elapsed = T::select(dt == self.period_s || time.restart, T::ONE, dt / self.period_s);
         let pace = if elapsed == T::ONE { self.nominal } else { self.pace(elapsed) };
-        let longest = T::of(LONGEST_GAP_S).most(self.period_s * T::of(3.0)) / self.period_s;
-        let mut lapsed = false;
+        let lapsed = if ordinary { [Flags::NONE; W] } else { self.fall_silent(s, elapsed) };
+        let mut due = false;
         for c in 0..W {
-            s.silent.0[c] += elapsed;
-            lapsed |= s.silent.0[c] > longest;
+            due |= (s.renew_in.0[c] <= T::ZERO) | (s.made_for.0[c] != elapsed);
         }
-        if lapsed {
-            self.lapse(s, &mut checked, longest);
+        if due {
+            self.renew(s, elapsed);
         }
         for c in 0..W {
-            if s.renew_in.0[c] <= T::ZERO || s.made_for.0[c] != elapsed {
-                self.renew(s, c, elapsed);
-            }
             s.renew_in.0[c] -= T::ONE;
         }
-        let flags = self.cycle(s, &checked, &pace, observer);
-        let estimates: [Estimate<T>; W] = core::array::from_fn(|c| self.summary(s, c, flags[c]));
+        let mut flags = if ordinary {
+            self.cycle::<true, W, O>(s, &Readings::ordinary(z), &pace, observer)
+        } else {
+            self.cycle_with_care(s, z, dt, &pace, observer)
+        };
         let mut lost = false;
-        for estimate in &estimates {
-            lost |= !(estimate.rate.finite() && estimate.variance.finite() && estimate.acceleration.finite());
+        for c in 0..W {
+            lost |= !(s.fused[0].0[c].finite() & s.fused[1].0[c].finite() & s.fused[2].0[c].finite());
         }
         if lost {
-            return self.recover(s, &estimates);
+            self.recover(s, &mut flags);
         }
-        estimates
+        core::array::from_fn(|c| flags[c].with(lapsed[c]))
+    }
+
+    /// A row in which something needs care: a missing, absurd or saturated sample, the first one, or outliers expected.
+    #[cold]
+    #[inline(never)]
+    fn cycle_with_care<const W: usize, O: Observer<T>>(
+        &self,
+        s: &mut Wide<T, W>,
+        z: &[T; W],
+        dt: T,
+        pace: &Pace<T>,
+        observer: &mut O,
+    ) -> [Flags; W] {
+        let checked = z.map(|value| Sample { value, dt }.check(self.limit, self.period_s));
+        self.cycle::<false, W, O>(s, &Readings::checked(&checked, &s.started), pace, observer)
     }
 
     /// What the state says about channel `c`.
@@ -301,32 +327,34 @@ impl<T: Real> MsImmIkf<T> {
         }
     }
 
-    /// Forgets channels that have been silent for as long as the longest gap: coasting on would end in absurd numbers.
+    /// Counts the silence of every channel, and forgets those that have been silent for as long as the longest gap:
+    /// coasting on would end in absurd numbers.
     #[cold]
     #[inline(never)]
-    fn lapse<const W: usize>(&self, s: &mut Wide<T, W>, checked: &mut [Checked<T>; W], longest: T) {
-        let fresh = self.start_wide::<W>();
-        for (c, checked) in checked.iter_mut().enumerate() {
-            if s.silent.0[c] > longest {
-                checked.flags = checked.flags.with(Flags::RESTARTED.when(s.started.0[c] != T::ZERO));
-                s.set_lane(c, fresh.lane(c));
+    fn fall_silent<const W: usize>(&self, s: &mut Wide<T, W>, elapsed: T) -> [Flags; W] {
+        let longest = T::of(LONGEST_GAP_S).most(self.period_s * T::of(3.0)) / self.period_s;
+        core::array::from_fn(|c| {
+            s.silent.0[c] += elapsed;
+            if s.silent.0[c] <= longest {
+                return Flags::NONE;
             }
-        }
+            let flags = Flags::RESTARTED.when(s.started.0[c] != T::ZERO);
+            s.set_lane(c, self.start_wide::<1>().lane(0));
+            flags
+        })
     }
 
     /// Starts channels anew that have lost their state.
     #[cold]
     #[inline(never)]
-    fn recover<const W: usize>(&self, s: &mut Wide<T, W>, estimates: &[Estimate<T>; W]) -> [Estimate<T>; W] {
+    fn recover<const W: usize>(&self, s: &mut Wide<T, W>, flags: &mut [Flags; W]) {
         let fresh = self.start_wide::<W>();
-        core::array::from_fn(|c| {
-            let estimate = estimates[c];
-            if estimate.rate.finite() && estimate.variance.finite() && estimate.acceleration.finite() {
-                return estimate;
+        for c in 0..W {
+            if !s.fused.lane(c).iter().all(|number| number.finite()) {
+                s.set_lane(c, fresh.lane(c));
+                flags[c] = flags[c].with(Flags::DIVERGED);
             }
-            s.set_lane(c, fresh.lane(c));
-            self.summary(s, c, estimate.flags.with(Flags::DIVERGED))
-        })
+        }
     }
 }
 
@@ -347,25 +375,17 @@ impl<T: Real> Filter<T> for MsImmIkf<T> {
 
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut Self::State, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
-        self.row(state, &[sample.value], sample.dt, observer)[0]
+        let flags = self.row(state, &[sample.value], sample.dt, observer);
+        self.summary(state, 0, flags[0])
     }
 
     #[inline(always)]
     fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        let mut row = 0;
-        let mut state: Wide<T, W> = Reals::gather(&mut || {
-            let lane = Lane(lanes.get(row).copied().unwrap_or([T::ZERO; W]));
-            row += 1;
-            lane
-        });
+        let mut state: Wide<T, W> = block::load_wide(lanes);
         for samples in tile {
-            *samples = self.row(&mut state, samples, dt, &mut ()).map(|estimate| estimate.rate);
+            self.row(&mut state, samples, dt, &mut ());
+            *samples = state.fused[0].0;
         }
-        let mut slots = lanes.iter_mut();
-        state.scatter(&mut |lane: Lane<T, W>| {
-            if let Some(slot) = slots.next() {
-                *slot = lane.0;
-            }
-        });
+        block::store_wide(&state, lanes);
     }
 }

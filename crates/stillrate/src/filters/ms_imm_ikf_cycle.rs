@@ -6,7 +6,7 @@
 use super::ms_imm_ikf::{MsImmIkf, OSCILLATORS, PROBABILITY_FLOOR, Pace, RUNGS, Wide};
 use crate::filter::{Checked, Flags, ModelTrace, Observer};
 use crate::gaussian::Gaussian2;
-use crate::imm::{Sums2, Sums4, capped};
+use crate::imm::{Sums2, Sums4};
 use crate::kalman::{Evidence, Reading, predict_oscillator, predict_singer, update2, update4};
 use crate::real::Real;
 use crate::reals::{Lane, Lanes};
@@ -28,9 +28,8 @@ struct Sources<T, const W: usize> {
     widened: Sums4<Lane<T, W>>,
 }
 
-/// Prior probability and likelihood of every model.
+/// Likelihood of every model; the prior probability stands in the state until it is weighed.
 struct Weights<T, const W: usize> {
-    prior: [[T; W]; MODELS],
     exponent: [[T; W]; MODELS],
     factor: [[T; W]; MODELS],
     innovation: [[T; W]; MODELS],
@@ -41,7 +40,6 @@ struct Weights<T, const W: usize> {
 impl<T: Real, const W: usize> Weights<T, W> {
     #[inline(always)]
     fn set(&mut self, model: usize, c: usize, prior: T, evidence: &Evidence<T>) {
-        self.prior[model][c] = prior;
         self.exponent[model][c] = evidence.exponent;
         self.factor[model][c] = evidence.factor;
         self.innovation[model][c] = evidence.innovation;
@@ -50,107 +48,123 @@ impl<T: Real, const W: usize> Weights<T, W> {
     }
 }
 
-impl<T: Real> MsImmIkf<T> {
-    /// One sample of every channel through the whole cycle; returns the flags.
+/// A row of samples, sorted.
+pub(crate) struct Readings<T, const W: usize> {
+    value: [T; W],
+    /// Whether the sample is to be used.
+    used: [bool; W],
+    /// Whether it is the first.
+    first: [bool; W],
+    flags: [Flags; W],
+}
+
+impl<T: Real, const W: usize> Readings<T, W> {
+    /// A row in which every channel has a usable sample and none is the first.
     #[inline(always)]
-    pub(crate) fn cycle<const W: usize, O: Observer<T>>(
+    pub(crate) fn ordinary(value: &[T; W]) -> Self {
+        Self { value: *value, used: [true; W], first: [false; W], flags: [Flags::NONE; W] }
+    }
+
+    /// Any row.
+    #[inline(always)]
+    pub(crate) fn checked(checked: &[Checked<T>; W], started: &Lane<T, W>) -> Self {
+        let mut readings = Self::ordinary(&[T::ZERO; W]);
+        for c in 0..W {
+            readings.value[c] = checked[c].value;
+            readings.used[c] = checked[c].present;
+            readings.first[c] = checked[c].present && started.0[c] == T::ZERO;
+            readings.flags[c] = checked[c].flags;
+        }
+        readings
+    }
+}
+
+impl<T: Real> MsImmIkf<T> {
+    /// One row through the whole cycle; returns the flags. `ORDINARY` promises a row made by [`Readings::ordinary`]
+    /// and no outliers expected: every select is then decided at compile time.
+    #[inline(always)]
+    pub(crate) fn cycle<const ORDINARY: bool, const W: usize, O: Observer<T>>(
         &self,
         s: &mut Wide<T, W>,
-        checked: &[Checked<T>; W],
+        readings: &Readings<T, W>,
         pace: &Pace<T>,
         observer: &mut O,
     ) -> [Flags; W] {
         observer.frequency(s.motion.angle.0[0] / self.period_s);
         let sources = self.gather_sources(s, pace);
         let mut weights = Weights {
-            prior: [[T::ZERO; W]; MODELS],
             exponent: [[T::ZERO; W]; MODELS],
             factor: [[T::ONE; W]; MODELS],
             innovation: [[T::ZERO; W]; MODELS],
             variance: [[T::ONE; W]; MODELS],
             outlier: [T::ZERO; W],
         };
-        self.mix_and_predict(s, &sources, pace, &mut weights);
-        let mut used: [bool; W] = core::array::from_fn(|c| checked[c].present);
-        let mut flags: [Flags; W] = core::array::from_fn(|c| checked[c].flags);
-        if self.saturation < T::LARGEST {
-            self.skip_beyond_the_rail(s, checked, &weights, &mut used, &mut flags);
+        self.mix_and_predict(s, &sources, pace);
+        let mut used = readings.used;
+        let mut flags = readings.flags;
+        if !ORDINARY && self.saturation < T::LARGEST {
+            self.skip_beyond_the_rail(s, readings, &mut used, &mut flags);
         }
-        self.update(s, checked, &used, &mut weights);
-        self.weigh(s, &used, &mut weights);
+        self.update::<ORDINARY, W>(s, readings, &used, &mut weights);
+        self.weigh::<ORDINARY, W>(s, &used, &mut weights);
         for c in 0..W {
-            s.silent.0[c] = T::select(used[c], T::ZERO, s.silent.0[c]);
+            s.silent.0[c] = T::select(ORDINARY || readings.used[c], T::ZERO, s.silent.0[c]);
         }
-        self.fuse_and_follow(s, pace);
-        for c in 0..W {
-            s.started.0[c] = T::select(checked[c].present, T::ONE, s.started.0[c]);
-            flags[c] = flags[c].with(Flags::OUTLIER.when(used[c] && weights.outlier[c] > T::HALF));
+        self.fuse_and_follow::<ORDINARY, W>(s, pace);
+        if !ORDINARY {
+            for c in 0..W {
+                s.started.0[c] = T::select(readings.used[c], T::ONE, s.started.0[c]);
+                flags[c] = flags[c].with(Flags::OUTLIER.when(used[c] && weights.outlier[c] > T::HALF));
+            }
         }
         self.show(s, &used, &weights, observer);
         flags
-    }
-
-    /// Probability that a source gives to each other model: mu_i e_i / (n - 1).
-    #[inline(always)]
-    fn given(&self, probability: T, leave: T) -> T {
-        probability * leave * self.share
     }
 
     #[inline(always)]
     fn gather_sources<const W: usize>(&self, s: &Wide<T, W>, pace: &Pace<T>) -> Sources<T, W> {
         let zero = Lane([T::ZERO; W]);
         let (rungs, oscillators) = (self.rungs(), self.oscillators());
-        let mut centre = [zero; 4];
-        for c in 0..W {
-            centre[0].0[c] = s.walk_probability.0[c] * s.walk[0].0[c];
-        }
-        for j in 0..rungs {
-            for c in 0..W {
-                centre[0].0[c] += s.rung_probability[j].0[c] * s.rung[j].mean[0].0[c];
-                centre[1].0[c] += s.rung_probability[j].0[c] * s.rung[j].mean[1].0[c];
-            }
-        }
+        // Each source gives every other model mu_i e_i / (n - 1).
+        let (given, given_at_rest) = (pace.leave * self.share, pace.leave_rest * self.share);
+        let mut centre = [s.fused[0], s.fused[1], zero, zero];
         for j in 0..oscillators {
-            for k in 0..4 {
-                for c in 0..W {
-                    centre[k].0[c] += s.oscillator_probability[j].0[c] * s.oscillator[j].mean[k].0[c];
-                }
+            for c in 0..W {
+                centre[2].0[c] += s.oscillator_probability[j].0[c] * s.oscillator[j].mean[2].0[c];
+                centre[3].0[c] += s.oscillator_probability[j].0[c] * s.oscillator[j].mean[3].0[c];
             }
         }
         let none2 = Sums2 { weight: zero, first: [zero; 2], second: [zero; 3] };
         let none4 = Sums4 { weight: zero, first: [zero; 4], second: [zero; 10] };
         let (mut plain, mut pulled, mut oscillating) = (none2, none2, none4);
         let mut cap = [T::ZERO; W];
+        let uncapped = self.derivative_cap == T::LARGEST;
         for c in 0..W {
             let angle = s.motion.angle.0[c];
             let floor = self.noise_share * angle * angle;
             // An infinite cap is stored as the largest number: no product with it may become NaN.
-            cap[c] = (self.derivative_cap * s.motion.acceleration_square.0[c] + floor).least(T::LARGEST);
-            if self.derivative_cap == T::LARGEST {
-                cap[c] = T::LARGEST;
-            }
+            let finite = (self.derivative_cap * s.motion.acceleration_square.0[c] + floor).least(T::LARGEST);
+            cap[c] = T::select(uncapped, T::LARGEST, finite);
         }
-        for j in 0..=rungs {
+        for c in 0..W {
+            let (mut sum, mut pulled_sum) = (plain.lane(c), pulled.lane(c));
+            let weight = s.walk_probability.0[c] * given_at_rest;
+            sum.add_and_pull(&mut pulled_sum, weight, &self.rest(s, c), centre.lane(c), cap[c]);
+            plain.set_lane(c, sum);
+            pulled.set_lane(c, pulled_sum);
+        }
+        for j in 0..rungs {
             for c in 0..W {
-                let (weight, source) = if j == 0 {
-                    (self.given(s.walk_probability.0[c], pace.leave_rest), self.rest(s, c))
-                } else {
-                    (self.given(s.rung_probability[j - 1].0[c], pace.leave), s.rung[j - 1].lane(c))
-                };
-                let middle = centre.lane(c);
-                let mut sum = plain.lane(c);
-                sum.add(weight, &source, middle);
+                let (mut sum, mut pulled_sum) = (plain.lane(c), pulled.lane(c));
+                let weight = s.rung_probability[j].0[c] * given;
+                sum.add_and_pull(&mut pulled_sum, weight, &s.rung[j].lane(c), centre.lane(c), cap[c]);
                 plain.set_lane(c, sum);
-                if oscillators > 0 {
-                    let mut sum = pulled.lane(c);
-                    sum.add(weight, &capped(&source, middle[1], cap[c]), middle);
-                    pulled.set_lane(c, sum);
-                }
+                pulled.set_lane(c, pulled_sum);
             }
         }
         for j in 0..oscillators {
             for c in 0..W {
-                let weight = self.given(s.oscillator_probability[j].0[c], pace.leave);
+                let weight = s.oscillator_probability[j].0[c] * given;
                 let mut sum = oscillating.lane(c);
                 sum.add(weight, &s.oscillator[j].lane(c), centre.lane(c));
                 oscillating.set_lane(c, sum);
@@ -173,36 +187,31 @@ impl<T: Real> MsImmIkf<T> {
     }
 
     #[inline(always)]
-    fn mix_and_predict<const W: usize>(
-        &self,
-        s: &mut Wide<T, W>,
-        sources: &Sources<T, W>,
-        pace: &Pace<T>,
-        weights: &mut Weights<T, W>,
-    ) {
+    fn mix_and_predict<const W: usize>(&self, s: &mut Wide<T, W>, sources: &Sources<T, W>, pace: &Pace<T>) {
         // A model stays with 1 - e_j; the common sum already holds its share for others.
-        let extra = |probability: T, leave: T| (T::ONE - leave) * probability - self.given(probability, leave);
+        let extra = (T::ONE - pace.leave) - pace.leave * self.share;
+        let extra_at_rest = (T::ONE - pace.leave_rest) - pace.leave_rest * self.share;
         for c in 0..W {
-            let own = extra(s.walk_probability.0[c], pace.leave_rest);
+            let own = extra_at_rest * s.walk_probability.0[c];
             let (prior, mixed) = sources.plain.lane(c).mixed(own, &self.rest(s, c), sources.centre.lane(c));
-            weights.prior[0][c] = prior;
+            s.walk_probability.0[c] = prior;
             s.walk[0].0[c] = mixed.mean[0];
             s.walk[1].0[c] = mixed.covariance[0] + pace.walk;
         }
         for j in 0..self.rungs() {
             for c in 0..W {
-                let own = extra(s.rung_probability[j].0[c], pace.leave);
+                let own = extra * s.rung_probability[j].0[c];
                 let (prior, mixed) = sources.plain.lane(c).mixed(own, &s.rung[j].lane(c), sources.centre.lane(c));
-                weights.prior[1 + j][c] = prior;
+                s.rung_probability[j].0[c] = prior;
                 s.rung[j].set_lane(c, predict_singer(&mixed, &pace.singer, self.rung_intensity[j]));
             }
         }
         for j in 0..self.oscillators() {
             for c in 0..W {
-                let own = extra(s.oscillator_probability[j].0[c], pace.leave);
+                let own = extra * s.oscillator_probability[j].0[c];
                 let centre = sources.centre.lane(c);
                 let (prior, mixed) = sources.widened.lane(c).mixed(own, &s.oscillator[j].lane(c), centre);
-                weights.prior[1 + RUNGS + j][c] = prior;
+                s.oscillator_probability[j].0[c] = prior;
                 let predicted = predict_oscillator(&mixed, &s.step.lane(c), self.oscillator_intensity[j]);
                 s.oscillator[j].set_lane(c, predicted);
             }
@@ -235,21 +244,20 @@ impl<T: Real> MsImmIkf<T> {
     fn skip_beyond_the_rail<const W: usize>(
         &self,
         s: &Wide<T, W>,
-        checked: &[Checked<T>; W],
-        weights: &Weights<T, W>,
+        readings: &Readings<T, W>,
         used: &mut [bool; W],
         flags: &mut [Flags; W],
     ) {
         for c in 0..W {
-            let z = checked[c].value;
-            let mut predicted = weights.prior[0][c] * s.walk[0].0[c];
+            let z = readings.value[c];
+            let mut predicted = s.walk_probability.0[c] * s.walk[0].0[c];
             for j in 0..self.rungs() {
-                predicted += weights.prior[1 + j][c] * s.rung[j].mean[0].0[c];
+                predicted += s.rung_probability[j].0[c] * s.rung[j].mean[0].0[c];
             }
             for j in 0..self.oscillators() {
-                predicted += weights.prior[1 + RUNGS + j][c] * s.oscillator[j].mean[0].0[c];
+                predicted += s.oscillator_probability[j].0[c] * s.oscillator[j].mean[0].0[c];
             }
-            let at_rail = checked[c].present && z.magnitude() >= self.saturation;
+            let at_rail = readings.used[c] && z.magnitude() >= self.saturation;
             let beyond = if z < T::ZERO { predicted < z } else { predicted > z };
             used[c] = used[c] && !(at_rail && beyond && s.started.0[c] != T::ZERO);
             flags[c] = flags[c].with(Flags::SATURATED.when(at_rail));
@@ -257,40 +265,39 @@ impl<T: Real> MsImmIkf<T> {
     }
 
     #[inline(always)]
-    fn update<const W: usize>(
+    fn update<const ORDINARY: bool, const W: usize>(
         &self,
         s: &mut Wide<T, W>,
-        checked: &[Checked<T>; W],
+        readings: &Readings<T, W>,
         used: &[bool; W],
         weights: &mut Weights<T, W>,
     ) {
-        let reading = |c: usize| Reading {
-            value: checked[c].value,
-            variance: self.measurement_variance,
-            outlier_probability: self.outlier_probability,
-        };
+        let outlier_probability = if ORDINARY { T::ZERO } else { self.outlier_probability };
+        let reading =
+            |c: usize| Reading { value: readings.value[c], variance: self.measurement_variance, outlier_probability };
         // The first sample sets every model to (z, 0, 0, 0).
-        let first: [bool; W] = core::array::from_fn(|c| used[c] && s.started.0[c] == T::ZERO);
+        let first = |c: usize| !ORDINARY && used[c] && readings.first[c];
+        let used = |c: usize| ORDINARY || used[c];
         for c in 0..W {
             let predicted = Gaussian2 {
-                mean: [T::select(first[c], checked[c].value, s.walk[0].0[c]), T::ZERO],
+                mean: [T::select(first(c), readings.value[c], s.walk[0].0[c]), T::ZERO],
                 covariance: [s.walk[1].0[c], T::ZERO, self.missing_acceleration],
             };
             let (updated, evidence) = update2(&predicted, &reading(c));
-            weights.set(0, c, weights.prior[0][c], &evidence);
-            s.walk[0].0[c] = T::select(used[c], updated.mean[0], s.walk[0].0[c]).flushed();
-            s.walk[1].0[c] = T::select(used[c], updated.covariance[0], s.walk[1].0[c]);
+            weights.set(0, c, s.walk_probability.0[c], &evidence);
+            s.walk[0].0[c] = T::select(used(c), updated.mean[0], s.walk[0].0[c]).flushed();
+            s.walk[1].0[c] = T::select(used(c), updated.covariance[0], s.walk[1].0[c]);
         }
         for j in 0..self.rungs() {
             for c in 0..W {
                 let old = s.rung[j].lane(c);
                 let mut predicted = old;
-                predicted.mean = core::array::from_fn(|k| first_mean(first[c], checked[c].value, old.mean[k], k));
+                predicted.mean = core::array::from_fn(|k| first_mean(first(c), readings.value[c], old.mean[k], k));
                 let (updated, evidence) = update2(&predicted, &reading(c));
-                weights.set(1 + j, c, weights.prior[1 + j][c], &evidence);
+                weights.set(1 + j, c, s.rung_probability[j].0[c], &evidence);
                 let kept = Gaussian2 {
-                    mean: core::array::from_fn(|k| T::select(used[c], updated.mean[k], old.mean[k]).flushed()),
-                    covariance: core::array::from_fn(|k| T::select(used[c], updated.covariance[k], old.covariance[k])),
+                    mean: core::array::from_fn(|k| T::select(used(c), updated.mean[k], old.mean[k]).flushed()),
+                    covariance: core::array::from_fn(|k| T::select(used(c), updated.covariance[k], old.covariance[k])),
                 };
                 s.rung[j].set_lane(c, kept);
             }
@@ -299,12 +306,12 @@ impl<T: Real> MsImmIkf<T> {
             for c in 0..W {
                 let old = s.oscillator[j].lane(c);
                 let mut predicted = old;
-                predicted.mean = core::array::from_fn(|k| first_mean(first[c], checked[c].value, old.mean[k], k));
+                predicted.mean = core::array::from_fn(|k| first_mean(first(c), readings.value[c], old.mean[k], k));
                 let (mut updated, evidence) = update4(&predicted, &reading(c));
-                weights.set(1 + RUNGS + j, c, weights.prior[1 + RUNGS + j][c], &evidence);
-                updated.mean = core::array::from_fn(|k| T::select(used[c], updated.mean[k], old.mean[k]).flushed());
+                weights.set(1 + RUNGS + j, c, s.oscillator_probability[j].0[c], &evidence);
+                updated.mean = core::array::from_fn(|k| T::select(used(c), updated.mean[k], old.mean[k]).flushed());
                 updated.covariance =
-                    core::array::from_fn(|k| T::select(used[c], updated.covariance[k], old.covariance[k]));
+                    core::array::from_fn(|k| T::select(used(c), updated.covariance[k], old.covariance[k]));
                 s.oscillator[j].set_lane(c, updated);
             }
         }
@@ -312,7 +319,12 @@ impl<T: Real> MsImmIkf<T> {
 
     /// Posterior probabilities: log-domain exponents against the largest, floor, normalise. A missing sample leaves the prior.
     #[inline(always)]
-    fn weigh<const W: usize>(&self, s: &mut Wide<T, W>, used: &[bool; W], weights: &mut Weights<T, W>) {
+    fn weigh<const ORDINARY: bool, const W: usize>(
+        &self,
+        s: &mut Wide<T, W>,
+        used: &[bool; W],
+        weights: &mut Weights<T, W>,
+    ) {
         let active = (0..=self.rungs()).chain(1 + RUNGS..1 + RUNGS + self.oscillators());
         let mut highest = weights.exponent[0];
         for m in active.clone() {
@@ -322,17 +334,25 @@ impl<T: Real> MsImmIkf<T> {
         }
         let mut sum = [T::ZERO; W];
         for m in active.clone() {
+            let prior = match m {
+                0 => s.walk_probability.0,
+                m if m <= RUNGS => s.rung_probability[m - 1].0,
+                m => s.oscillator_probability[m - 1 - RUNGS].0,
+            };
             for c in 0..W {
-                let likelihood = (weights.exponent[m][c] - highest[c]).exponential() * weights.factor[m][c];
-                let weight = weights.prior[m][c] * T::select(used[c], likelihood, T::ONE);
+                let likelihood = (weights.exponent[m][c] - highest[c]).decay() * weights.factor[m][c];
+                let weight = prior[c] * T::select(ORDINARY || used[c], likelihood, T::ONE);
                 weights.factor[m][c] = weight;
                 sum[c] += weight;
             }
         }
+        for c in 0..W {
+            sum[c] = T::ONE / sum[c];
+        }
         let mut floored = [T::ZERO; W];
         for m in active.clone() {
             for c in 0..W {
-                let probability = (weights.factor[m][c] / sum[c]).most(T::of(PROBABILITY_FLOOR));
+                let probability = (weights.factor[m][c] * sum[c]).most(T::of(PROBABILITY_FLOOR));
                 weights.factor[m][c] = probability;
                 floored[c] += probability;
             }
@@ -355,7 +375,8 @@ impl<T: Real> MsImmIkf<T> {
 
     /// Mean and variance of the mixture; then the frequency follows it, wide rungs left out.
     #[inline(always)]
-    fn fuse_and_follow<const W: usize>(&self, s: &mut Wide<T, W>, pace: &Pace<T>) {
+    fn fuse_and_follow<const ORDINARY: bool, const W: usize>(&self, s: &mut Wide<T, W>, pace: &Pace<T>) {
+        let longest = (T::of(LONGEST_ECHO_S) / self.period_s).most(T::of(LONGEST_ECHO_SAMPLES));
         let mut rate = [T::ZERO; W];
         let mut acceleration = [T::ZERO; W];
         let mut inner = [[T::ZERO; W]; 3];
@@ -388,7 +409,6 @@ impl<T: Real> MsImmIkf<T> {
                 inner[2][c] += a;
             }
         }
-        let longest = (T::of(LONGEST_ECHO_S) / self.period_s).most(T::of(LONGEST_ECHO_SAMPLES));
         let spread = |mu: T, x: T, p: T, mean: T| mu * (p + (x - mean) * (x - mean));
         let mut variance = [T::ZERO; W];
         for c in 0..W {
@@ -413,7 +433,7 @@ impl<T: Real> MsImmIkf<T> {
             let inverse = T::ONE / inner[0][c];
             let motion = s.motion.lane(c);
             let followed = motion.follow(&self.memory, inner[1][c] * inverse, inner[2][c] * inverse, pace.elapsed);
-            s.motion.set_lane(c, if s.silent.0[c] > longest { motion } else { followed });
+            s.motion.set_lane(c, followed.or_else(ORDINARY || s.silent.0[c] <= longest, &motion));
         }
     }
 

@@ -127,7 +127,7 @@ impl<T: Real> MsImmIkf<T> {
     pub fn new(settings: &MsImmIkfSettings) -> Result<Self, ConfigError> {
         let rate = positive("sample_rate_hz", settings.sample_rate_hz, "Hz")?;
         // Two and more models need a rung at or above the rate, and the ladder has a last one.
-        if rate > 32_768.0 || rate < 1e-3 {
+        if !(1e-3..=32_768.0).contains(&rate) {
             return Err(ConfigError::new("sample_rate_hz", rate, "Hz", "from 0.001 to 32768"));
         }
         let noise = settings.noise.checked()?;

@@ -10,6 +10,7 @@
 use crate::error::{ConfigError, not_negative, positive};
 use crate::filter::{Estimate, Filter, Observer, Sample};
 use crate::filters::recursive::level::{LevelState, Seen};
+use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::real::Real;
@@ -91,9 +92,26 @@ impl<T: Real> Filter<T> for RandomWalkKf<T> {
 
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut LevelState<T>, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
+        self.follow::<false, O>(state, sample, observer)
+    }
+
+    #[inline(always)]
+    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        self.tile_paced(lanes, tile, dt);
+    }
+}
+
+impl<T: Real> Paced<T> for RandomWalkKf<T> {
+    #[inline(always)]
+    fn follow<const NOMINAL: bool, O: Observer<T>>(
+        &self,
+        state: &mut LevelState<T>,
+        sample: Sample<T>,
+        observer: &mut O,
+    ) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
         // The walk's variance grows with time.
-        let periods = if checked.dt == self.period_s { T::ONE } else { checked.dt / self.period_s };
+        let periods = if NOMINAL || checked.dt == self.period_s { T::ONE } else { checked.dt / self.period_s };
         // After an endless gap the walk is as good as infinite, but its share of the sum below must stay a number.
         let walk = T::select(checked.moves, self.variance_ratio * periods, T::ZERO);
         let walked = (walk * state.weight).least(T::LARGEST.root());

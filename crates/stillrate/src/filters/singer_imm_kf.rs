@@ -322,7 +322,9 @@ impl<T: Real> SingerImmKf<T> {
             let Sample { value, dt } = sample;
             checked = Checked { value, present: true, moves: true, dt, restart: false, flags: Flags::NONE };
         }
-        state.started = checked.known(state.started);
+        if !ORDINARY {
+            state.started = checked.known(state.started);
+        }
         let started = ORDINARY || state.started != T::ZERO;
         let begins = checked.present && (!started || checked.restart);
         let start = self.start();

@@ -14,6 +14,7 @@ use crate::filters::hmm_rls::{RecursiveLeastSquaresState, check_order};
 use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::line::LineState;
 use crate::filters::recursive::memory::{check_factor, tau_of};
+use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::real::Real;
@@ -198,10 +199,10 @@ impl<T: Real> VariableForgetting<T> {
 
     /// lambda for a smoothed innovation, over the time that passed.
     #[inline(always)]
-    fn forgetting_factor(&self, smoothed: T, checked: &Checked<T>) -> T {
+    fn forgetting_factor<const NOMINAL: bool>(&self, smoothed: T, checked: &Checked<T>) -> T {
         let excess = (smoothed.magnitude() * self.spread - self.threshold) / self.width;
         let nominal = self.forgetting_factor_max + self.range * excess.limited(T::ZERO, T::ONE);
-        let factor = if checked.dt == self.period_s {
+        let factor = if NOMINAL || checked.dt == self.period_s {
             nominal
         } else {
             (nominal.logarithm() * (checked.dt / self.period_s)).exponential()
@@ -210,7 +211,7 @@ impl<T: Real> VariableForgetting<T> {
     }
 
     #[inline(always)]
-    fn follow_level<O: Observer<T>>(
+    fn follow_level<const NOMINAL: bool, O: Observer<T>>(
         &self,
         state: &mut VariableForgettingState<T>,
         sample: Sample<T>,
@@ -221,7 +222,7 @@ impl<T: Real> VariableForgetting<T> {
         let innovation = checked.value - state.sums.mean.level;
         let innovation_scale = (T::ONE + state.gain).root() * self.sigma;
         state.smoothed = self.smooth(state.smoothed, innovation / innovation_scale, usable);
-        let factor = self.forgetting_factor(state.smoothed, &checked);
+        let factor = self.forgetting_factor::<NOMINAL>(state.smoothed, &checked);
         let mean = &mut state.sums.mean;
         mean.weigh(T::ONE - factor, checked.present);
         let gain = mean.correct(checked.value, checked.present);
@@ -233,7 +234,7 @@ impl<T: Real> VariableForgetting<T> {
     }
 
     #[inline(always)]
-    fn follow_line<O: Observer<T>>(
+    fn follow_line<const NOMINAL: bool, O: Observer<T>>(
         &self,
         state: &mut VariableForgettingState<T>,
         sample: Sample<T>,
@@ -247,7 +248,7 @@ impl<T: Real> VariableForgetting<T> {
         let innovation = checked.value - (line.level + passage.periods * line.slope);
         let innovation_scale = (T::ONE + state.gain).root() * self.sigma;
         state.smoothed = self.smooth(state.smoothed, innovation / innovation_scale, usable);
-        let factor = self.forgetting_factor(state.smoothed, &checked);
+        let factor = self.forgetting_factor::<NOMINAL>(state.smoothed, &checked);
         line.age(passage.periods, factor);
         let gain = line.correct(checked.value, checked.present).level;
         state.gain = T::select(checked.present, gain, state.gain);
@@ -277,10 +278,27 @@ impl<T: Real> Filter<T> for VariableForgetting<T> {
         sample: Sample<T>,
         observer: &mut O,
     ) -> Estimate<T> {
+        self.follow::<false, O>(state, sample, observer)
+    }
+
+    #[inline(always)]
+    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        self.tile_paced(lanes, tile, dt);
+    }
+}
+
+impl<T: Real> Paced<T> for VariableForgetting<T> {
+    #[inline(always)]
+    fn follow<const NOMINAL: bool, O: Observer<T>>(
+        &self,
+        state: &mut VariableForgettingState<T>,
+        sample: Sample<T>,
+        observer: &mut O,
+    ) -> Estimate<T> {
         if self.order == T::TWO {
-            self.follow_line(state, sample, observer)
+            self.follow_line::<NOMINAL, O>(state, sample, observer)
         } else {
-            self.follow_level(state, sample, observer)
+            self.follow_level::<NOMINAL, O>(state, sample, observer)
         }
     }
 }

@@ -99,9 +99,12 @@ impl<T: Real, const N: usize> Factor<T, N> {
                 top[r] = transition[0][r] * a + transition[1][r] * b + transition[2][r] * c;
             }
             let end = if j < turns { j + 1 } else { turns };
-            for (gamma, &value) in turning.iter().zip(column.iter()).take(end).skip(3) {
-                for r in 0..4 {
-                    top[r] += gamma[r] * value;
+            // Exact slices, not adapters: these loops are what the compiler turns into vector code.
+            if let (Some(gammas), Some(values)) = (turning.get(3..end), column.get(3..end)) {
+                for (gamma, &value) in gammas.iter().zip(values) {
+                    for r in 0..4 {
+                        top[r] += gamma[r] * value;
+                    }
                 }
             }
             column[0] = top[0];
@@ -142,8 +145,11 @@ impl<T: Real, const N: usize> Factor<T, N> {
         for &i in support {
             if i < N {
                 let h = row[i];
-                for (s, column) in sigma.iter_mut().zip(columns.iter()).take(count) {
-                    *s += h * column[i];
+                // Row i of the triangle begins at column i.
+                if let (Some(sums), Some(right)) = (sigma.get_mut(i..count), columns.get(i..count)) {
+                    for (s, column) in sums.iter_mut().zip(right) {
+                        *s += h * column[i];
+                    }
                 }
             }
         }
@@ -166,10 +172,12 @@ impl<T: Real, const N: usize> Factor<T, N> {
         let mut covariance = [T::ZERO; N];
         for j in 0..count {
             let (s, e, z) = (sigma[j], keep[j], take[j]);
-            for (u, b) in columns[j].iter_mut().zip(covariance.iter_mut()).take(j + 1) {
-                let old = *u;
-                *u = e * old - z * *b;
-                *b += s * old;
+            if let (Some(column), Some(sums)) = (columns[j].get_mut(..=j), covariance.get_mut(..=j)) {
+                for (u, b) in column.iter_mut().zip(sums) {
+                    let old = *u;
+                    *u = e * old - z * *b;
+                    *b += s * old;
+                }
             }
         }
         Gain { covariance, variance: alpha }

@@ -105,6 +105,11 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
     /// Carries the state over `dt_s` under a command (rad/s). A command that is not finite or beyond the limit is replaced by the last
     /// good one and the attitude is believed less; an unusable time step passes no time.
     pub fn advance(&self, state: &mut JointState<T, N>, command: [f64; 3], dt_s: f64) -> Flags {
+        let geometry = Geometry::new(&self.estimator.model, &state.coefficients);
+        self.advance_by(state, &geometry, command, dt_s)
+    }
+
+    fn advance_by(&self, state: &mut JointState<T, N>, geometry: &Geometry, command: [f64; 3], dt_s: f64) -> Flags {
         if !(dt_s.finite() && dt_s > 0.0) {
             return Flags::BAD_TIME;
         }
@@ -114,7 +119,6 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
             state.command = Vector3::from(command);
         }
         let estimator = &self.estimator;
-        let geometry = Geometry::new(&estimator.model, &state.coefficients);
         let step = geometry.step(&estimator.model, &state.rotation, &state.command, dt_s);
         let turning = geometry.turning(&estimator.model, &step, &state.command, dt_s);
         let turning = estimator.pack_turning(&turning);
@@ -131,10 +135,17 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
         Flags::MISSING.when(!finite).with(Flags::OUT_OF_RANGE.when(finite && !known))
     }
 
-    /// Takes in one measurement of the outputs (m/s^2); an axis that is not finite is left out.
+    /// Takes in one measurement of the outputs (m/s^2); an axis that is not finite or beyond twice gravity is left out.
     pub fn correct(&self, state: &mut JointState<T, N>, measurement: &Measurement) -> [Innovation; 3] {
         let geometry = Geometry::new(&self.estimator.model, &state.coefficients);
-        self.correct_by(state, &geometry, measurement, false)
+        let limit = 2.0 * self.estimator.model.gravity_m_s2;
+        let mut believed = *measurement;
+        for (value, variance) in believed.value.iter().zip(&mut believed.variance) {
+            if !(value.magnitude() <= limit) {
+                *variance = f64::INFINITY;
+            }
+        }
+        self.correct_by(state, &geometry, &believed, false)
     }
 
     fn correct_by(
@@ -210,8 +221,9 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
         reference: Reference,
     ) -> [Innovation; 3] {
         let estimator = &self.estimator;
-        let _ = self.advance(state, record.command(k), record.interval_s());
+        // Prediction leaves the coefficients as they are: one geometry serves both halves of the epoch.
         let geometry = Geometry::new(&estimator.model, &state.coefficients);
+        let _ = self.advance_by(state, &geometry, record.command(k), record.interval_s());
         match reference {
             Reference::Commanded => {
                 let measurement = commanded(

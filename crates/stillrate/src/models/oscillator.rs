@@ -105,13 +105,36 @@ impl<T: Real> OscillatorStep<T> {
         }
     }
 
-    /// After a gap that says nothing about the phase: the rate stays, the derivatives are forgotten, no noise.
+    /// This step where the phase is known. After a gap that says nothing about the phase: the rate stays, the derivatives are
+    /// forgotten, no noise.
     #[must_use]
     #[inline(always)]
-    pub fn forgetful() -> Self {
-        let mut from_rate = [T::ZERO; 4];
-        from_rate[0] = T::ONE;
-        Self { from_rate, from_acceleration: [T::ZERO; 4], response: [T::ZERO; 5], noise: [T::ZERO; 10] }
+    pub fn unless_forgotten(self, phase_known: bool) -> Self {
+        let zero = T::ZERO;
+        let forgetful = Self {
+            from_rate: [T::ONE, zero, zero, zero],
+            from_acceleration: [zero; 4],
+            response: [zero; 5],
+            noise: [zero; 10],
+        };
+        self.or_else(phase_known, &forgetful)
+    }
+
+    /// This step where `condition` holds, the other one elsewhere.
+    #[must_use]
+    #[inline(always)]
+    pub(crate) fn or_else(mut self, condition: bool, other: &Self) -> Self {
+        for k in 0..4 {
+            self.from_rate[k] = T::select(condition, self.from_rate[k], other.from_rate[k]);
+            self.from_acceleration[k] = T::select(condition, self.from_acceleration[k], other.from_acceleration[k]);
+        }
+        for k in 0..5 {
+            self.response[k] = T::select(condition, self.response[k], other.response[k]);
+        }
+        for k in 0..10 {
+            self.noise[k] = T::select(condition, self.noise[k], other.noise[k]);
+        }
+        self
     }
 }
 

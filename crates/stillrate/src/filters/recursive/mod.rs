@@ -6,6 +6,7 @@
 pub(crate) mod level;
 pub(crate) mod line;
 pub(crate) mod memory;
+pub(crate) mod paced;
 
 pub use level::LevelState;
 pub use line::LineState;
