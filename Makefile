@@ -1,5 +1,5 @@
 # Everything here works on a fresh machine with Python >= 3.11 (venv) and a Rust toolchain.
-.PHONY: demo test test-rust test-instructions test-python test-long bench lint build clean
+.PHONY: demo test test-rust test-instructions test-python test-long test-proofs test-embedded bench lint build clean
 PY := .venv/bin/python
 STAMP := .venv/.installed
 
@@ -37,6 +37,15 @@ test-python: .venv/.test-tools
 test-long: .venv/.test-tools
 	cargo test --workspace --exclude stillrate-py --release -- --ignored
 	$(PY) -m pytest -m long
+
+# No step can panic or allocate, and C gives the bits of Rust.
+test-proofs:
+	cargo test --quiet -p stillrate-c
+	cargo test --quiet -p stillrate-lab --test allocation
+
+# Every filter on an emulated Cortex-M4F and M7; says so and passes where the tools cannot be had.
+test-embedded:
+	sh tests/embedded/run.sh
 
 bench: $(STAMP)
 	$(PY) -m pip install --quiet -r benches/requirements.txt

@@ -8,6 +8,7 @@ mod analysis;
 mod attitude;
 mod convert;
 mod drift;
+mod export;
 mod filter;
 mod gimbal;
 mod gimbal_parts;
@@ -31,6 +32,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     logs::register(module)?;
     analysis::register(module)?;
     drift::register(module)?;
+    export::register(module)?;
     servo::register(module)?;
     observability::register(module)?;
     recursive::register(module)?;

@@ -15,6 +15,7 @@ COMMANDS = {
     "allan": "Show the Allan deviation of a log and the noise figures in it.",
     "compare": "Run all methods on your own logs: gains beside their price.",
     "demo": "Clean a simulated log by several methods and show why to trust the result.",
+    "export-c": "Write a configuration as C and Rust source for firmware, with a self-test.",
     "filter": "Clean a gyro log: same rows and columns, the rates filtered.",
     "platform": "Compare filters in the loop of a stabilised platform, with pictures.",
     "reproduce": "Compute published figures again and print them beside ours.",

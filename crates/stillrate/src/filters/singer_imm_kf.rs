@@ -325,7 +325,6 @@ impl<T: Real> SingerImmKf<T> {
         if !ORDINARY {
             state.started = checked.known(state.started);
         }
-        state.started = checked.known(state.started);
         let started = ORDINARY || state.started != T::ZERO;
         let begins = checked.present && (!started || checked.restart);
         let start = self.start();

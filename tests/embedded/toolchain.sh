@@ -1,0 +1,20 @@
+#!/bin/sh
+# Unpacks what the firmware tests need into target/embedded/toolchain, without touching the system: Debian's matched pair of
+# rustc and its library sources (rustup offers no bare-metal target everywhere), an Arm C compiler and the emulator.
+# Exits with 3 where the packages cannot be had; the tests are then skipped.
+set -eu
+root=$(cd "$(dirname "$0")/../.." && pwd)
+tools="$root/target/embedded/toolchain"
+[ -e "$tools/.complete" ] && exit 0
+mkdir -p "$tools/archives/partial"
+packages="rustc-web rust-web-src qemu-system-arm gcc-arm-none-eabi"
+command -v apt-get > /dev/null && command -v dpkg > /dev/null || { echo "no Debian packages here"; exit 3; }
+# Downloads just what this machine lacks, dependencies included.
+nice apt-get install --yes --quiet --download-only --no-install-recommends -o Debug::NoLocking=true \
+    -o "Dir::Cache::archives=$tools/archives" $packages > "$tools/download.log" 2>&1 \
+    || { echo "packages cannot be had (see $tools/download.log)"; exit 3; }
+for package in "$tools"/archives/*.deb; do
+    nice dpkg -x "$package" "$tools"
+done
+rm -rf "$tools/archives"
+touch "$tools/.complete"
