@@ -30,8 +30,7 @@ pub enum FadingForm {
     Signed,
 }
 
-/// The fading factor for Delta = `scale` times `square`, unfaded rate variance `b11`, process noise `q11` and measurement
-/// variance `r` softened by `softening`.
+/// The fading factor for Delta = `delta`, unfaded rate variance `b11`, process noise `q11` and (softened) measurement variance `r`.
 #[inline(always)]
 pub(crate) fn fading_factor<T: Real>(form: FadingForm, delta: T, b11: T, q11: T, r: T) -> T {
     let excess = delta - q11 - r;
