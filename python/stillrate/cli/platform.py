@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from stillrate.platform import Recorded, Run, Setup
     from stillrate.platform.study import Design, Result, Study
 
-EFFORTS = {"quick": (12, 10, 1), "normal": (16, 24, 3), "thorough": (24, 40, 3)}
+EFFORTS = {"quick": (12, 10, 1), "normal": (16, 40, 2), "thorough": (24, 60, 3)}
 """Population, generations, restarts of the search: one effort for every filter of a table."""
 
 
@@ -161,7 +161,14 @@ def _measured(setup: Setup, designs: list[Design], seeds: int, motion: Recorded 
     described = tuple(describing_test(setup)) if setup.sample_rate_hz == 50.0 else ()
     notes = tuple(dict.fromkeys(text for _, run in (*runs, *recorded) for text in run.warnings))
     return Study(
-        setup=setup, results=results, fixed=fixed, describing=described, runs=runs, recorded=recorded, notes=notes
+        setup=setup,
+        results=results,
+        fixed=fixed,
+        describing=described,
+        runs=runs,
+        recorded=recorded,
+        notes=notes,
+        seeds=seeds,
     )
 
 

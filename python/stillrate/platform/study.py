@@ -22,6 +22,8 @@ from stillrate.platform.tuning import (
 
 FIXED_CONTROLLER = Controller(kappa=0.17, ko_per_s=0.3, kvi_per_s=74.0, kd_s=0.65e-3)
 """The controller that every filter gets in the test with the controller fixed."""
+BANK = "ms-imm-ikf"
+"""The default bank's name in that test."""
 TILTS_DEG = (20.0, 15.0, 10.0, 5.0)
 TILT_S = 0.4
 DESCRIBED_HZ = 3.0
@@ -65,6 +67,7 @@ class Study:
     runs: tuple[tuple[str, Run], ...] = ()
     recorded: tuple[tuple[str, Run], ...] = ()
     notes: tuple[str, ...] = field(default=())
+    seeds: int = len(VALIDATION_SEEDS)
 
 
 def tune_all(
@@ -160,7 +163,7 @@ def fixed_families(setup: Setup) -> list[Family]:
         one("AR(1)-KF", "ar-kf", **ar1),
         one("singer-imm-kf", "singer-imm-kf", **preset),
         one("one-euro", "one-euro"),
-        one("ms-imm-ikf", "ms-imm-ikf"),
+        one(BANK, "ms-imm-ikf"),
     ]
 
 
@@ -184,7 +187,7 @@ def describing_test(setup: Setup) -> list[tuple[str, tuple[tuple[float, float], 
     ]
 
 
-def show(design: Design, base: Base, *, setup: Setup, duration_s: float, seed: int = 770_001) -> Run:
+def show(design: Design, base: Base, *, setup: Setup, duration_s: float, seed: int = VALIDATION_SEEDS[0]) -> Run:
     """Run a design once, to be looked at."""
     from stillrate.platform.running import run_links
 
