@@ -11,7 +11,7 @@ import numpy as np
 from stillrate.io.safely import atomic
 from stillrate.platform.running import Run
 from stillrate.platform.stage import stage
-from stillrate.platform.study import AMPLITUDES_DPS, BANK, DESCRIBED_HZ, TILT_S, TILTS_DEG, Result, Study
+from stillrate.platform.study import AMPLITUDES_DPS, BANK, DESCRIBED_HZ, GIMBAL, TILT_S, TILTS_DEG, Result, Study
 from stillrate.platform.svg import lines, scatter
 
 SWING, RECORDED = "swing", "recorded"
@@ -34,7 +34,7 @@ def page(study: Study) -> str:
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
         "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Stabilised platform</title>",
         f"<style>{_resource('page.css')}</style></head><body><h1>Does the filter help where it is used?</h1>",
-        f"<p>One axis of a stabilised platform at {setup.sample_rate_hz:g} Hz. Its base swings by {swing}; controller "
+        f"<p>One axis of {_plant(study)} at {setup.sample_rate_hz:g} Hz. Its base swings by {swing}; controller "
         "and filter were tuned together, with the same search effort for every filter, at a budget of actuator jitter "
         "at rest (rms of the voltage less its 0.4 s mean, percent of the supply, measured 6 to 14 s after a 15 deg "
         "tilt), with a gain margin of 2, a delay margin of 10 ms and a levelling error of 0.2 deg demanded. All "
@@ -52,6 +52,11 @@ def page(study: Study) -> str:
         parts.append("<h2>Notes</h2><ul>" + "".join(f"<li>{escape(note)}</li>" for note in study.notes) + "</ul>")
     parts.append(f"<script>{_resource('page.js')}</script></body></html>" if study.runs else "</body></html>")
     return "\n".join(parts)
+
+
+def _plant(study: Study) -> str:
+    gimbal = any(result.design.plant == GIMBAL for result in study.results)
+    return "a small camera gimbal" if gimbal else "a stabilised platform of 30 kg"
 
 
 def _resource(name: str) -> str:

@@ -26,6 +26,8 @@ BANK = "ms-imm-ikf"
 """The default bank's name in that test."""
 TILTS_DEG = (20.0, 15.0, 10.0, 5.0)
 TILT_S = 0.4
+PLATFORM, GIMBAL = "platform", "gimbal"
+"""Plants that designs are shipped for: the paper's 30 kg platform, and a small camera gimbal."""
 DESCRIBED_HZ = 3.0
 AMPLITUDES_DPS = (0.05, 0.3, 2.0, 60.0)
 
@@ -42,6 +44,13 @@ class Design:
     feasible: bool = True
     evaluations: int = 0
     """Search effort that found it; compare only designs of like effort closely."""
+    plant: str = PLATFORM
+    """`PLATFORM` or `GIMBAL`."""
+
+
+def setup_of(design: Design) -> Setup:
+    """Return the setup that a design was tuned on."""
+    return Setup.camera_gimbal() if design.plant == GIMBAL else Setup(sample_rate_hz=design.sample_rate_hz)
 
 
 @dataclass(frozen=True)
@@ -77,8 +86,9 @@ def tune_all(
     setup: Setup,
     effort: tuple[int, int, int],
     progress: Callable[[str, int], None],
+    known_designs: Sequence[Design] = (),
 ) -> list[Design]:
-    """Tune families with one effort (population, generations, restarts)."""
+    """Tune families with one effort (population, generations, restarts), each beginning with its own known designs."""
     known = families(setup)
     evaluations = effort[0] * (effort[1] + 1) * effort[2]
     designs = []
@@ -90,6 +100,7 @@ def tune_all(
             population=effort[0],
             generations=effort[1],
             restarts=effort[2],
+            starts=[(design.controller, design.parameters) for design in known_designs if design.family == name],
             progress=lambda done, name=name: progress(name, done),  # type: ignore[misc]
         )
         designs.append(
@@ -101,6 +112,7 @@ def tune_all(
                 setup.sample_rate_hz,
                 found.feasible,
                 evaluations,
+                known_designs[0].plant if known_designs else PLATFORM,
             )
         )
     return designs

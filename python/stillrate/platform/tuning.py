@@ -113,6 +113,7 @@ def tune(
     restarts: int = 2,
     search_seed: int = SEARCH_SEED,
     seeds: Sequence[int] = TUNING_SEEDS,
+    starts: Sequence[tuple[Controller, Sequence[float]]] = (),
     progress: Callable[[int], bool | None] | None = None,
 ) -> Tuned:
     """Find gains and filter settings with the least residual at a budget of rest jitter.
@@ -127,6 +128,8 @@ def tune(
         Rest jitter allowed, percent of the supply voltage.
     population, generations, restarts : int
         Effort of the search (differential evolution).
+    starts : sequence of (Controller, open settings)
+        Earlier designs of this family that every restart begins with.
     progress : callable, optional
         Called with the number of evaluations so far; False stops the search.
     """
@@ -136,6 +139,7 @@ def tune(
         float(budget_percent),
         (population, generations, restarts, search_seed),
         list(seeds),
+        [(controller, list(parameters)) for controller, parameters in starts],
         progress,
     )
     return Tuned(

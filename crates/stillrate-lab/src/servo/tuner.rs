@@ -50,6 +50,8 @@ pub struct Task {
     pub effort: Effort,
     /// Seeds of the gyro's noise while tuning.
     pub seeds: Vec<u64>,
+    /// Designs that every restart begins with, beside the gains offered to every filter: earlier results, to be improved.
+    pub starts: Vec<Design>,
 }
 
 /// A tuned controller and filter.
@@ -78,12 +80,18 @@ pub fn tune(
     stillrate::error::positive("budget_percent", task.budget_percent, "%")?;
     stillrate::error::positive("seeds", task.seeds.len() as f64, "of them")?;
     let ranges: Vec<Range> = GAINS.iter().copied().chain(family.open.iter().map(|t| t.range)).collect();
-    let starts: Vec<Vec<f64>> = OFFERED
-        .iter()
-        .map(|gains| gains.iter().copied().chain(family.open.iter().map(|t| t.range.value(0.5))).collect())
-        .collect();
-    // Errors that do not depend on the point are reported once, here.
-    Trial::new(bench, family, &design_at(&starts[0]))?;
+    let offered = OFFERED.iter().map(|gains| design_at(&[&gains[..], &middle(family)[..]].concat()));
+    let designs: Vec<Design> = task.starts.iter().cloned().chain(offered).collect();
+    // Errors that do not depend on the point are reported once, here; so is a start that cannot be used.
+    for design in &designs[..=task.starts.len()] {
+        stillrate::error::positive(
+            "starts",
+            f64::from(design.parameters.len() == family.open.len()),
+            "settings of the family",
+        )?;
+        Trial::new(bench, family, design)?;
+    }
+    let starts: Vec<Vec<f64>> = designs.iter().map(point_of).collect();
     let evaluate = |point: &[f64], best: Score| score(bench, family, task, point, best);
     let found = minimise(&ranges, &starts, task.effort, evaluate, progress);
     Ok(tuned(&found))
@@ -97,6 +105,16 @@ fn tuned(found: &Found) -> Tuned {
         feasible: found.score.violation == 0.0,
         restarts_deg: found.restarts.iter().map(value).collect(),
     }
+}
+
+/// The middle of every open setting's range.
+fn middle(family: &Family) -> Vec<f64> {
+    family.open.iter().map(|t| t.range.value(0.5)).collect()
+}
+
+fn point_of(design: &Design) -> Vec<f64> {
+    let c = &design.controller;
+    [&[c.kappa, c.ko_per_s, c.kvi_per_s, c.kd_s][..], &design.parameters[..]].concat()
 }
 
 fn design_at(point: &[f64]) -> Design {
