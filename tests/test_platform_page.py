@@ -129,3 +129,16 @@ def test_the_page_says_in_figures_what_swapping_the_filter_does() -> None:
     assert "The bank changes the residual by +0.0 % and makes the actuator 1 times quieter" in text
     assert "Lag costs residual: pt1 +" in text
     assert "2 noise seeds" in text
+
+
+def test_the_findings_are_said_whichever_way_they_come_out() -> None:
+    from dataclasses import replace
+
+    from stillrate.platform.findings import findings
+
+    pt1 = next(result for result in study().results if result.design.family == "pt1")
+    bank = replace(pt1, design=replace(pt1.design, family="ms-imm-ikf+pt1"))
+    worse = replace(bank, row=replace(bank.row, max_deg=(2.0 * pt1.row.max_deg[0],) * 3))
+    assert "1.00 of pt1's" in findings([pt1, bank])[0]
+    assert "2.00 of pt1's" in findings([pt1, worse])[0]
+    assert findings([pt1]) == []

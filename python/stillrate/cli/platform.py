@@ -191,6 +191,7 @@ def _name(design: Design) -> str:
 def _show(study: Study) -> None:
     from rich.console import Console
 
+    from stillrate.platform.findings import findings
     from stillrate.platform.tables import fixed_table, results_table, tilts_table
 
     out = Console(width=150, soft_wrap=True)
@@ -198,6 +199,8 @@ def _show(study: Study) -> None:
     out.print(tilts_table(study))
     if study.fixed:
         out.print(fixed_table(study))
+    for text in findings(study.results):
+        out.print(text, highlight=False, markup=False)
     for name, run in study.recorded:
         out.print(
             f"recorded base, {name}: rms {run.residual_deg[0]:.3f}, max {run.residual_deg[1]:.2f} deg",

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from stillrate.io.safely import atomic
+from stillrate.platform.findings import findings
 from stillrate.platform.running import Run
 from stillrate.platform.stage import stage
 from stillrate.platform.study import AMPLITUDES_DPS, BANK, DESCRIBED_HZ, GIMBAL, TILT_S, TILTS_DEG, Result, Study
@@ -105,6 +106,7 @@ def _results(study: Study) -> str:
     star = any(not result.design.feasible for result in study.results)
     return (
         "<h2>The table</h2>"
+        + "".join(f"<p class='finding'>{escape(text)}</p>" for text in findings(study.results))
         + _table(head, rows)
         + "<p class='note'>The last column is the error (rms, 70 s) that integrating the filter's output would add to "
         "integrating the raw rate: during the base motion, and during a slow swing of 0.2 deg/s. The "
