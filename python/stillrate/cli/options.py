@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from stillrate.cli.problems import UsageError
 
 if TYPE_CHECKING:
+    from stillrate.config import Config
     from stillrate.io import Log
 
 
@@ -63,4 +64,16 @@ def refuse_taken(paths: list[Path], *, force: bool) -> None:
         refuse_existing(path, force=force)
 
 
-__all__ = ["Force", "ReadOptions", "refuse_taken"]
+def load_settings(path: Path) -> Config:
+    """Read a configuration; what is wrong with it names the file."""
+    from stillrate.config import load_config
+    from stillrate.errors import ConfigError
+
+    try:
+        return load_config(path)
+    except ConfigError as error:
+        text = str(error)
+        raise ConfigError(text if text.startswith(str(path)) else f"{path}: {text}") from None
+
+
+__all__ = ["Force", "ReadOptions", "load_settings", "refuse_taken"]
