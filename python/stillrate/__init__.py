@@ -26,7 +26,7 @@ from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 from stillrate.results import Estimate, Flags, Trace
 
 if TYPE_CHECKING:
-    from stillrate import attitude, closed_forms, gimbal, metrics, platform, rate_table, simulate
+    from stillrate import attitude, closed_forms, fleet, gimbal, metrics, platform, rate_table, simulate
     from stillrate.allan_deviation import Allan, allan
     from stillrate.bias import ReferenceBias, reference_bias
     from stillrate.denoising import denoise
@@ -49,6 +49,7 @@ _LATER = {
     "bench_imu": "observe",
     "closed_forms": "closed_forms",
     "denoise": "denoising",
+    "fleet": "fleet",
     "gimbal": "gimbal",
     "metrics": "metrics",
     "observability": "observe",
@@ -99,6 +100,7 @@ __all__ = [
     "bench_imu",
     "closed_forms",
     "denoise",
+    "fleet",
     "gimbal",
     "load_config",
     "metrics",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -44,8 +44,18 @@ class ReadOptions:
         """Read a log with these options."""
         from stillrate.io import read
 
+        return read(path, **self.arguments())
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the options as arguments of `stillrate.read`."""
         columns = [name.strip() for name in self.columns.split(",")] if self.columns else None
-        return read(path, rate_hz=self.rate, columns=columns, time=self.time, unit=self.unit, time_unit=self.time_unit)
+        return {
+            "rate_hz": self.rate,
+            "columns": columns,
+            "time": self.time,
+            "unit": self.unit,
+            "time_unit": self.time_unit,
+        }
 
 
 Force = Annotated[bool, Parameter(negative="", help="Overwrite existing files.")]
