@@ -149,6 +149,10 @@ class Loop:
 def stop_on_signals() -> Iterator[Callable[[], bool]]:
     """Give a function that says whether ctrl-C or SIGTERM came; the second ctrl-C interrupts for good."""
     event = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        # Python lets only the main thread handle signals.
+        yield event.is_set
+        return
 
     def stop(number: int, frame: object) -> None:
         event.set()
