@@ -6,8 +6,8 @@
 use super::singer_imm_kf::{SingerImmKf, SingerImmKfState, SingerImmModel};
 use crate::filter::{Estimate, Flags, Sample};
 use crate::gaussian::Gaussian2;
-use crate::imm::{interact, mix2, weigh2};
-use crate::kalman::{Reading, predict_singer, update2};
+use crate::imm::{judged, mix2, normalised, prior2, shares};
+use crate::kalman::{Reading, mix_ahead, update2};
 use crate::real::Real;
 
 impl<T: Real> SingerImmKf<T> {
@@ -23,18 +23,19 @@ impl<T: Real> SingerImmKf<T> {
         if checked.moves && started {
             let [first, second] = self.leave;
             let transition = [[T::ONE - first, first], [second, T::ONE - second]];
-            let (prior, weight) = interact(&transition, &state.probability);
-            let rest = mixed(weight[0], &state.model);
-            state.model[1] = mixed(weight[1], &state.model);
-            state.model[0] = rest;
+            let share = shares(&transition, &state.weight);
+            let prior = prior2(&transition, &normalised(&state.weight));
             let dt = T::select(checked.restart, self.period_s, checked.dt);
             let value = checked.present.then_some(checked.value);
-            let (exponent_0, factor_0) = self.model[0].carry(&mut state.model[0], dt, self.period_s, value);
-            let (exponent_1, factor_1) = self.model[1].carry(&mut state.model[1], dt, self.period_s, value);
-            let (exponent, factor) = ([exponent_0, exponent_1], [factor_0, factor_1]);
-            state.probability = weigh2(&prior, &exponent, &factor, checked.present).map(Real::flushed);
+            let (before, mut exponent, mut factor) = (state.model, [T::ZERO; 2], [T::ONE; 2]);
+            for i in 0..2 {
+                (exponent[i], factor[i]) =
+                    self.model[i].carry(&before, share[i], &mut state.model[i], dt, self.period_s, value);
+            }
+            state.weight = judged(&prior, &exponent, &factor);
         }
-        let fused = mixed(state.probability[0], &state.model);
+        let [first, _] = normalised(&state.weight);
+        let fused = mix2(first, &state.model[0], &state.model[1]);
         Estimate {
             rate: fused.mean[0],
             acceleration: fused.mean[1],
@@ -50,15 +51,23 @@ impl<T: Real> SingerImmKf<T> {
             own.mean = [value, T::ZERO];
             own.covariance = [model.start_variance[0], T::ZERO, model.start_variance[1]];
         }
-        state.probability = [self.start_probability, T::ONE - self.start_probability];
+        state.weight = [self.start_probability, T::ONE - self.start_probability];
         state.started = T::ONE;
     }
 }
 
 impl<T: Real> SingerImmModel<T> {
-    /// Predicts and updates one model in place; the evidence of the sample, if there is one.
+    /// Mixes, predicts and updates one model; the evidence of the sample, if there is one.
     #[inline(never)]
-    fn carry(&self, own: &mut Gaussian2<T>, dt: T, period_s: T, value: Option<T>) -> (T, T) {
+    fn carry(
+        &self,
+        before: &[Gaussian2<T>; 2],
+        share: T,
+        own: &mut Gaussian2<T>,
+        dt: T,
+        period_s: T,
+        value: Option<T>,
+    ) -> (T, T) {
         let unusual;
         let step = if dt == period_s {
             &self.step
@@ -66,7 +75,7 @@ impl<T: Real> SingerImmModel<T> {
             unusual = self.over(dt);
             &unusual
         };
-        *own = predict_singer(own, step, T::ONE);
+        *own = mix_ahead(share, &before[0], &before[1], step);
         let mut said = (T::ZERO, T::ONE);
         if let Some(value) = value {
             let (updated, evidence) = update2(own, &Reading::plain(value, self.measurement_variance));
@@ -76,12 +85,6 @@ impl<T: Real> SingerImmModel<T> {
         own.mean = own.mean.map(Real::flushed);
         said
     }
-}
-
-/// Mixture of both models, the first with weight `w`.
-#[inline(never)]
-fn mixed<T: Real>(w: T, models: &[Gaussian2<T>; 2]) -> Gaussian2<T> {
-    mix2(w, &models[0], &models[1])
 }
 
 #[cfg(test)]
