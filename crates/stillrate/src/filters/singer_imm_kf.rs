@@ -162,7 +162,7 @@ plain! {
 
 impl<T: Real> SingerImmModel<T> {
     /// Coefficients of an unusual time step. Seldom needed, so it stays out of the step's own code.
-    #[inline(never)]
+    #[cfg_attr(not(target_arch = "arm"), inline(never))]
     pub(super) fn over(&self, dt: T) -> SingerCoefficients<T> {
         SingerCoefficients::new(self.alpha, dt).driven_by(self.step.intensity())
     }
