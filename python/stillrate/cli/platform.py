@@ -194,7 +194,7 @@ def _show(study: Study) -> None:
     from stillrate.platform.findings import findings
     from stillrate.platform.tables import fixed_table, results_table, tilts_table
 
-    out = Console(width=150, soft_wrap=True)
+    out = Console(width=165, soft_wrap=True)
     out.print(results_table(study))
     out.print(tilts_table(study))
     if study.fixed:

@@ -35,11 +35,11 @@ def page(study: Study) -> str:
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
         "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Stabilised platform</title>",
         f"<style>{_resource('page.css')}</style></head><body><h1>Does the filter help where it is used?</h1>",
-        f"<p>One axis of {_plant(study)} at {setup.sample_rate_hz:g} Hz. Its base swings by {swing}; controller "
-        "and filter were tuned together, with the same search effort for every filter, at a budget of actuator jitter "
-        "at rest (rms of the voltage less its 0.4 s mean, percent of the supply, measured 6 to 14 s after a 15 deg "
-        "tilt), with a gain margin of 2, a delay margin of 10 ms and a levelling error of 0.2 deg demanded. All "
-        f"figures come from {study.seeds} noise seeds that the tuner did not see.</p>",
+        f"<p>One axis of {_plant(study)} at {setup.sample_rate_hz:g} Hz. Its base swings by {swing}; controller and "
+        f"filter were tuned together, {_effort(study)}, at a budget of actuator jitter at rest (rms of the voltage "
+        "less its 0.4 s mean, percent of the supply, measured 6 to 14 s after a 15 deg tilt), with a gain margin of 2, "
+        "a delay margin of 10 ms and a levelling error of 0.2 deg demanded. All figures come from "
+        f"{study.seeds} noise seeds that the tuner did not see.</p>",
         ("<h2>Watch it</h2>" + stage(motions, _inks(study))) if study.runs else "",
         _results(study),
         "<h2>Residual against jitter</h2>" + _pareto(study),
@@ -58,6 +58,14 @@ def page(study: Study) -> str:
 def _plant(study: Study) -> str:
     gimbal = any(result.design.plant == GIMBAL for result in study.results)
     return "a small camera gimbal" if gimbal else "a stabilised platform of 30 kg"
+
+
+def _effort(study: Study) -> str:
+    """Say how hard each design was searched for: equal effort is a claim, so it is checked."""
+    effort = sorted({result.design.evaluations for result in study.results})
+    if len(effort) == 1:
+        return f"every one with a search of {effort[0]} evaluations"
+    return f"with searches of {effort[0]} to {effort[-1]} evaluations (last column)"
 
 
 def _resource(name: str) -> str:
@@ -99,16 +107,17 @@ def _results(study: Study) -> str:
                 f"{row.delay_margin_ms:g}",
                 f"{row.levelling_deg[0]:.2f}",
                 f"{result.added_deg[0]:.3f} / {result.added_deg[1]:.3f}",
+                str(result.design.evaluations),
             ]
         )
     head = ["filter (budget)", "rms deg", "max deg (seeds)", "rest jitter % (seeds)", "after tilt / undisturbed"]
-    head += ["motion jitter %", "gain margin", "delay margin ms", "level deg", "added deg"]
+    head += ["motion jitter %", "gain margin", "delay margin ms", "level deg", "added deg", "search"]
     star = any(not result.design.feasible for result in study.results)
     return (
         "<h2>The table</h2>"
         + "".join(f"<p class='finding'>{escape(text)}</p>" for text in findings(study.results))
         + _table(head, rows)
-        + "<p class='note'>The last column is the error (rms, 70 s) that integrating the filter's output would add to "
+        + "<p class='note'>Added: the error (rms, 70 s) that integrating the filter's output would add to "
         "integrating the raw rate: during the base motion, and during a slow swing of 0.2 deg/s. The "
         "controller integrates the raw rate for this reason.</p>"
         + (
