@@ -1,12 +1,13 @@
 """Designs that come with the library: the paper's 30 kg platform and a small camera gimbal, tuned by `tune`.
 
-Their figures are measured anew by ``stillrate platform`` on seeds that no search and no choice saw. Where several searches were run for a
-filter, the design kept is the one of least residual that meets every demand on the tuner's own seeds. `evaluations` is all
-the search a design had behind it, restarts and earlier rounds together. At 50 Hz the bank and one-euro had about four times that of the
-linear filters; those are limited by jitter, and their restarts agree within a few percent. The bank is limited by the margins, so more
-budget hardly helps it. Opening its settings to the search (noise density, widest rung, a second-order low-pass or a one-euro filter
-behind it) was tried once and brought nothing. At 200 Hz every design had one search of equal effort.
-A second-order low-pass of 2.4 deg rms at 0.05 % was dropped: it levels within 0.2 deg on some sets of seeds only.
+Their figures are measured anew by ``stillrate platform`` on seeds that no search and no choice saw. Where several searches
+were run for a filter, the design kept is the one of least residual that meets every demand on the tuner's own seeds.
+`evaluations` is all the search a design had behind it, earlier rounds included. At 50 Hz the bank and one-euro had about
+four times that of the others. None, PT1 and the fixed Kalman filter are limited by jitter and their searches agree within
+a few percent; those of the second-order low-pass end anywhere from 2.4 to 3.3 deg rms at 0.05 %, and its best one was
+dropped because it levels within 0.2 deg on some sets of seeds only. The bank is limited by the margins, so more budget
+hardly helps it. Opening its settings to the search (noise density, widest rung, a second-order low-pass or a one-euro
+filter behind it) was tried once and brought nothing. At 200 Hz every design had one search of equal effort.
 """
 
 from __future__ import annotations

@@ -40,8 +40,8 @@ PUBLISHED_SWING: dict[str, str] = {
 BUDGET_PERCENT = 0.05
 
 NEAR = 0.25
-"""How near a published figure ours must be to count as reproduced: the tilt's duration and the gains are not in the paper, so a magnitude
-can only agree roughly."""
+"""How near a published figure ours must be to count as reproduced: the tilt's duration and the gains are not in the
+paper, so a magnitude can only agree roughly."""
 UNKNOWN = (
     "PID, delay, spindle lead, tilt time and number of runs are not in the paper, so no figure can be reproduced exactly; the jitter "
     "budget of 0.05 % is ours, chosen because no filter lands near 5 deg there: only the ordering is a result."
