@@ -14,7 +14,16 @@ import stillrate  # noqa: E402
 project = "stillrate"
 author = "the stillrate authors"
 release = version = stillrate.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "pages", "mathml", "settings", "scores", "elementary"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "pages",
+    "mathml",
+    "settings",
+    "scores",
+    "elementary",
+]
 
 source_suffix = {".md": "markdown"}
 exclude_patterns = ["generated/doctrees", "generated/extra"]

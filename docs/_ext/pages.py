@@ -39,7 +39,8 @@ def _read(app: Any, document: str, source: list[str]) -> None:
 def _filled(text: str, found: list[Block], printed: list[str]) -> str:
     lines = text.split("\n")
     for block, output in reversed(list(zip(found, printed, strict=True))):
-        shown = [] if "hidden" in block.options else [f"```{block.language}", *block.code.split("\n"), "```"]
+        lexer = "sh" if block.language == "console" else block.language
+        shown = [] if "hidden" in block.options else [f"```{lexer}", *block.code.split("\n"), "```"]
         if "output" in block.options:
             tidy = "\n".join(line.rstrip() for line in output.strip("\n").split("\n"))
             shown += ["", "{.printed}", "```text", tidy, "```"]
