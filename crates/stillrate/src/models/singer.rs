@@ -175,6 +175,20 @@ impl<T: Real> SingerCoefficients<T> {
         let q11 = T::select(step.near || step.doubled, cube * T::select(step.near, variance, composed), far);
         Self { r, s, q11, q12: r * r * T::HALF, q22: r * ((T::ONE + s) * T::HALF) }
     }
+
+    /// With the process noise of driving noise of spectral density `intensity` instead of 1.
+    #[must_use]
+    #[inline(always)]
+    pub fn driven_by(self, intensity: T) -> Self {
+        Self { q11: intensity * self.q11, q12: intensity * self.q12, q22: intensity * self.q22, ..self }
+    }
+
+    /// The density given to [`SingerCoefficients::driven_by`].
+    #[must_use]
+    #[inline(always)]
+    pub fn intensity(&self) -> T {
+        self.q22 / (self.r * ((T::ONE + self.s) * T::HALF))
+    }
 }
 
 /// Derivatives of r and s with respect to alpha, in s^2 and s, for an extended Kalman filter that estimates alpha:
