@@ -21,7 +21,7 @@ def setup(app: Any) -> dict[str, bool]:
 def rows() -> list[list[str]]:
     """Return the cells of the table in the module's documentation, the head first."""
     lines = re.findall(r"^//! \|(.+)\|$", SOURCE.read_text(encoding="utf-8"), flags=re.M)
-    cells = [[cell.strip().strip("`") for cell in line.split("|")] for line in lines]
+    cells = [[cell.replace("`", "").strip() for cell in line.split("|")] for line in lines]
     found = [row for row in cells if not set(row[0]) <= {"-"}]
     if len(found) < 2:
         raise ValueError(f"{SOURCE}: no table of errors")
