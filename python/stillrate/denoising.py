@@ -6,10 +6,9 @@ import warnings
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from stillrate._native import Filter
-from stillrate.arrays import as_samples
+from stillrate.arrays import as_samples, like
 from stillrate.config import config_from_settings
 from stillrate.noise import GyroNoise, noise_from_log
 
@@ -25,7 +24,7 @@ def denoise(
     method: str = "ms-imm-ikf",
     noise: GyroNoise | None = None,
     dt_s: Any = None,
-) -> npt.NDArray[Any]:
+) -> Any:
     """Clean a gyro signal; without `noise`, each channel's noise is estimated from the signal itself.
 
     Parameters
@@ -44,7 +43,7 @@ def denoise(
     Returns
     -------
     ndarray
-        Same shape as `samples`, n in, n out.
+        Same shape as `samples`, n in, n out; a series or frame of pandas or polars for one, with its index and names.
 
     Warns
     -----
@@ -87,4 +86,4 @@ def denoise(
         }
         config = config_from_settings(method, settings)
         clean[:, channel] = Filter(config, dtype=str(array.dtype)).run(columns[:, channel], dt_s=dt_s)
-    return clean.reshape(array.shape)
+    return like(samples, clean.reshape(array.shape))

@@ -17,6 +17,8 @@ COMMANDS = {
     "demo": "Clean a simulated log by several methods and show why to trust the result.",
     "export-c": "Write a configuration as C and Rust source for firmware, with a self-test.",
     "filter": "Clean a gyro log: same rows and columns, the rates filtered.",
+    "fleet": "Clean a folder of logs on all cores or on a cluster; continue where it stopped.",
+    "live": "Clean samples as they come, from stdin, UDP or a serial port.",
     "platform": "Compare filters in the loop of a stabilised platform, with pictures.",
     "reproduce": "Compute published figures again and print them beside ours.",
     "simulate": "Write a simulated gyro log of which the truth is known.",
