@@ -153,8 +153,7 @@ def _commands(code: str) -> list[str]:
 
 def _environment() -> dict[str, str]:
     """Return the environment of a shell in which ``stillrate`` and ``python`` are those that run now."""
-    shims = Path(os.environ.get("STILLRATE_SHIMS", ""))
-    path = os.pathsep.join([str(shims), str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     return {**os.environ, "PATH": path}
 
 
