@@ -7,7 +7,14 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-LOADED = {"script": "src", "link": "href", "img": "src", "iframe": "src", "source": "src", "object": "data"}
+LOADED = {
+    "script": "src",
+    "link": "href",
+    "img": "src",
+    "iframe": "src",
+    "source": "src",
+    "object": "data",
+}
 """What a browser fetches by itself."""
 
 
@@ -44,16 +51,24 @@ def problems(site: Path) -> list[str]:
             parts = urlsplit(address)
             if parts.scheme or parts.netloc:
                 continue
-            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path.resolve()
+            target = (
+                (path.parent / unquote(parts.path)).resolve()
+                if parts.path
+                else path.resolve()
+            )
             target = target / "index.html" if target.is_dir() else target
             if not target.is_file():
                 found.append(f"{path}: leads nowhere: {address}")
             elif (
-                parts.fragment and target in _resolved(pages) and parts.fragment not in _resolved(pages)[target].anchors
+                parts.fragment
+                and target in _resolved(pages)
+                and parts.fragment not in _resolved(pages)[target].anchors
             ):
                 found.append(f"{path}: no such place: {address}")
     for sheet in site.rglob("*.css"):
-        if "url(http" in sheet.read_text(encoding="utf-8") or '@import url("http' in sheet.read_text(encoding="utf-8"):
+        if "url(http" in sheet.read_text(
+            encoding="utf-8"
+        ) or '@import url("http' in sheet.read_text(encoding="utf-8"):
             found.append(f"{sheet}: fetches from another host")
     return found
 

@@ -27,7 +27,13 @@ extensions = [
 
 source_suffix = {".md": "markdown"}
 exclude_patterns = ["generated/doctrees", "generated/extra"]
-myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "attrs_block", "attrs_inline"]
+myst_enable_extensions = [
+    "dollarmath",
+    "colon_fence",
+    "deflist",
+    "attrs_block",
+    "attrs_inline",
+]
 myst_heading_anchors = 3
 suppress_warnings: list[str] = []
 

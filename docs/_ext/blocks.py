@@ -62,7 +62,10 @@ def blocks(page: str) -> list[Block]:
         if opening is None:
             at += 1
             continue
-        end = next((i for i in range(at + 1, len(lines)) if lines[i].rstrip() == opening[1]), len(lines))
+        end = next(
+            (i for i in range(at + 1, len(lines)) if lines[i].rstrip() == opening[1]),
+            len(lines),
+        )
         words = opening[2].split()
         if not (words and words[0].startswith("{")):
             before = _line_before(lines, at)
@@ -104,7 +107,9 @@ class Session:
             If a command fails, Python raises, a file does not parse or source does not compile.
         """
         if block.language not in LANGUAGES:
-            raise BlockError(f"{where}:{block.first + 1}: language {block.language!r} (one of {sorted(LANGUAGES)})")
+            raise BlockError(
+                f"{where}:{block.first + 1}: language {block.language!r} (one of {sorted(LANGUAGES)})"
+            )
         if block.reason is not None or block.language in ("text", "", "rust"):
             return ""
         place = f"{where}:{block.first + 1}"
@@ -129,7 +134,12 @@ class Session:
             text = printed.getvalue()
         else:
             done = subprocess.run(
-                ["sh", "-c", line], check=False, capture_output=True, text=True, timeout=120, env=_environment()
+                ["sh", "-c", line],
+                check=False,
+                capture_output=True,
+                text=True,
+                timeout=120,
+                env=_environment(),
             )
             code, text = done.returncode, done.stdout + done.stderr
         if code != 0:
@@ -148,7 +158,11 @@ class Session:
 
 def _commands(code: str) -> list[str]:
     joined = re.sub(r"\\\n\s*", "", code)
-    return [line.strip() for line in joined.split("\n") if line.strip() and not line.startswith("#")]
+    return [
+        line.strip()
+        for line in joined.split("\n")
+        if line.strip() and not line.startswith("#")
+    ]
 
 
 def _environment() -> dict[str, str]:
@@ -196,8 +210,25 @@ def _compile_c(code: str, place: str) -> str:
     if compiler is None:
         return ""
     includes = [f"-I{header.parent}" for header in sorted(Path().rglob("stillrate.h"))]
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-c", "-x", "c", "-", "-o", os.devnull]
-    done = subprocess.run([compiler, *includes, *flags], check=False, input=code, capture_output=True, text=True)
+    flags = [
+        "-std=c99",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-c",
+        "-x",
+        "c",
+        "-",
+        "-o",
+        os.devnull,
+    ]
+    done = subprocess.run(
+        [compiler, *includes, *flags],
+        check=False,
+        input=code,
+        capture_output=True,
+        text=True,
+    )
     if done.returncode != 0:
         raise BlockError(f"{place}: does not compile:\n{done.stderr}")
     return ""

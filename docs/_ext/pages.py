@@ -40,7 +40,9 @@ def _filled(text: str, found: list[Block], printed: list[str]) -> str:
     lines = text.split("\n")
     for block, output in reversed(list(zip(found, printed, strict=True))):
         lexer = "sh" if block.language == "console" else block.language
-        shown = [] if "hidden" in block.options else [f"```{lexer}", *_visible(block), "```"]
+        shown = (
+            [] if "hidden" in block.options else [f"```{lexer}", *_visible(block), "```"]
+        )
         if "output" in block.options:
             tidy = "\n".join(line.rstrip() for line in output.strip("\n").split("\n"))
             shown += ["", "{.printed}", "```text", tidy, "```"]
@@ -52,7 +54,11 @@ def _filled(text: str, found: list[Block], printed: list[str]) -> str:
 def _visible(block: Block) -> list[str]:
     """Leave out what rustdoc hides as well: lines that begin with a hash."""
     lines = block.code.split("\n")
-    return [line for line in lines if not line.startswith("# ")] if block.language == "rust" else lines
+    return (
+        [line for line in lines if not line.startswith("# ")]
+        if block.language == "rust"
+        else lines
+    )
 
 
 class _Keeper:

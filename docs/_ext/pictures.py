@@ -14,7 +14,9 @@ from stillrate.config import methods as all_methods
 RATE_HZ = 100.0
 SEED = 7
 GYRO = simulate.GyroModel()
-NOISE = GyroNoise(density_dps_sqrt_hz=GYRO.density_dps_sqrt_hz, rate_random_walk_dps_sqrt_s=0.0033)
+NOISE = GyroNoise(
+    density_dps_sqrt_hz=GYRO.density_dps_sqrt_hz, rate_random_walk_dps_sqrt_s=0.0033
+)
 REST_S, WAVES_S, STEP_S, END_S = 3.0, 6.0, 8.0, 10.0
 
 
@@ -39,11 +41,24 @@ def draw(config: Config, path: Path) -> None:
         figure = Figure(figsize=(8.6, 2.5), layout="constrained")
         for axes, (title, begin, end) in zip(figure.subplots(1, 3), views, strict=True):
             seen = (t >= begin) & (t <= end)
-            axes.plot(t[seen], reading.measured_dps[seen], color="#b9bec6", linewidth=0.9, label="gyro")
             axes.plot(
-                t[seen], reading.truth_dps[seen], color="#111111", linewidth=0.9, linestyle=(0, (4, 2)), label="truth"
+                t[seen],
+                reading.measured_dps[seen],
+                color="#b9bec6",
+                linewidth=0.9,
+                label="gyro",
             )
-            axes.plot(t[seen], clean[seen], color="#0969da", linewidth=1.5, label=config.method)
+            axes.plot(
+                t[seen],
+                reading.truth_dps[seen],
+                color="#111111",
+                linewidth=0.9,
+                linestyle=(0, (4, 2)),
+                label="truth",
+            )
+            axes.plot(
+                t[seen], clean[seen], color="#0969da", linewidth=1.5, label=config.method
+            )
             axes.set(title=title, xlabel="time, s")
             axes.grid(visible=True, alpha=0.25, linewidth=0.5)
             axes.spines[["top", "right"]].set_visible(False)

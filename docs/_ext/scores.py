@@ -26,14 +26,21 @@ def measured() -> dict[str, demo.Row]:
     """Return the figures of every method with its defaults, of no filter, and of the bound."""
     runs = demo.runs()
     beds = (runs.static, runs.waves, runs.steps)
-    given: dict[str, Any] = {"sample_rate_hz": runs.static.sample_rate_hz, "noise": runs.noise}
+    given: dict[str, Any] = {
+        "sample_rate_hz": runs.static.sample_rate_hz,
+        "noise": runs.noise,
+    }
     configs: dict[str, Config] = {name: cls(**given) for name, cls in methods().items()}
     configs[LIGHT] = MsImmIkf(**given, oscillators=())
     rows = {RAW: demo.score_one(RAW, runs, *(bed.measured_dps for bed in beds))}
     for name, config in configs.items():
-        rows[name] = demo.score_one(name, runs, *(Filter(config).run(bed.measured_dps) for bed in beds))
+        rows[name] = demo.score_one(
+            name, runs, *(Filter(config).run(bed.measured_dps) for bed in beds)
+        )
     assert runs.static.bound_dps is not None and runs.waves.bound_dps is not None
-    rows[BEST] = demo.score_one(BEST, runs, runs.static.bound_dps, runs.waves.bound_dps, None)
+    rows[BEST] = demo.score_one(
+        BEST, runs, runs.static.bound_dps, runs.waves.bound_dps, None
+    )
     return rows
 
 
@@ -54,7 +61,14 @@ class Score(SphinxDirective):
         rows = measured()
         asked = [name.strip() for name in self.arguments[0].split(";")]
         names = list(rows) if asked == ["all"] else [RAW, *asked, BEST]
-        head = ("", "at rest, deg/s", "in 2 Hz waves, deg/s", "calm after, deg/s", "lag, ms", "settling, s")
+        head = (
+            "",
+            "at rest, deg/s",
+            "in 2 Hz waves, deg/s",
+            "calm after, deg/s",
+            "lag, ms",
+            "settling, s",
+        )
         group = nodes.tgroup(cols=len(head))
         for width in (30, 14, 14, 14, 14, 14):
             group += nodes.colspec(colwidth=width)
@@ -64,7 +78,9 @@ class Score(SphinxDirective):
         for name in names:
             row = rows[name]
             lag = f"{row.lag_ms:+.2f}" if math.isfinite(row.lag_ms) else "-"
-            figures = [f"{value:.4f}" for value in (row.static_dps, row.waves_dps, row.calm_dps)]
+            figures = [
+                f"{value:.4f}" for value in (row.static_dps, row.waves_dps, row.calm_dps)
+            ]
             body += _row((name, *figures, lag, _settling(row.settling_s)))
         return [nodes.table("", group, classes=["score"])]
 

@@ -43,7 +43,9 @@ def rows(cls: type[Config]) -> list[tuple[str, str, str]]:
     table = []
     for item in dataclasses.fields(cls):
         value = getattr(config, item.name)
-        shown = "must be given" if item.name in ("sample_rate_hz", "noise") else _shown(value)
+        shown = (
+            "must be given" if item.name in ("sample_rate_hz", "noise") else _shown(value)
+        )
         if item.name not in said:
             raise ValueError(f"{cls.__name__}.{item.name} has no words in the docstring")
         table.append((item.name, shown, said[item.name]))
@@ -77,12 +79,16 @@ class Settings(SphinxDirective):
         for name, default, meaning in rows(getattr(methods, self.arguments[0])):
             parsed, _ = self.parse_inline(meaning.replace("``", "`"))
             paragraph = nodes.paragraph("", "", *parsed)
-            body += self._row([nodes.literal(text=name), nodes.literal(text=default), paragraph])
+            body += self._row(
+                [nodes.literal(text=name), nodes.literal(text=default), paragraph]
+            )
         return [table]
 
     def _row(self, cells: list[nodes.Node]) -> nodes.row:
         row = nodes.row()
         for cell in cells:
-            inner = cell if isinstance(cell, nodes.paragraph) else nodes.paragraph("", "", cell)
+            inner = (
+                cell if isinstance(cell, nodes.paragraph) else nodes.paragraph("", "", cell)
+            )
             row += nodes.entry("", inner)
         return row
