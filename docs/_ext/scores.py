@@ -77,7 +77,8 @@ class Score(SphinxDirective):
         group += body
         for name in names:
             row = rows[name]
-            lag = f"{row.lag_ms:+.2f}" if math.isfinite(row.lag_ms) else "-"
+            # Adding zero takes the sign off a rounded one.
+            lag = f"{round(row.lag_ms, 2) + 0.0:+.2f}" if math.isfinite(row.lag_ms) else "-"
             figures = [
                 f"{value:.4f}" for value in (row.static_dps, row.waves_dps, row.calm_dps)
             ]
