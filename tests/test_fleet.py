@@ -128,6 +128,34 @@ def test_a_scheduler_of_ones_own_does_the_work(tmp_path):
     assert seen == [(k, 5) for k in range(6)]
 
 
+def test_what_was_finished_before_an_interruption_stays(tmp_path, monkeypatch, capsys):
+    make_logs(tmp_path / "logs", 3)
+    all_of_it = fleet._work_all
+
+    def interrupted(client, jobs):
+        yield from all_of_it(client, jobs[:2])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(fleet, "_work_all", interrupted)
+    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    import distributed
+
+    with distributed.LocalCluster(**options) as cluster:
+        command = [
+            "fleet",
+            str(tmp_path / "logs"),
+            "-o",
+            str(tmp_path / "out"),
+            "--scheduler",
+            cluster.scheduler_address,
+        ]
+        assert main(command) == 130
+        assert "stopped with 2 of 8 logs finished" in capsys.readouterr().err
+        monkeypatch.setattr(fleet, "_work_all", all_of_it)
+        assert main(command) == 1
+        assert "8 logs: 6 done now, 2 before" in capsys.readouterr().err
+
+
 def test_a_scheduler_that_is_not_there_is_named(tmp_path, monkeypatch, capsys):
     make_logs(tmp_path / "logs", 1)
     monkeypatch.setattr(fleet, "_PATIENCE_S", 1)

@@ -19,7 +19,7 @@ from stillrate.config import Config, method_class
 from stillrate.errors import LogError
 from stillrate.io.log import Log
 from stillrate.noise import GyroNoise, noise_from_log
-from stillrate.results import Flags
+from stillrate.results import Flags, brief
 
 DEFAULT_METHOD = "ms-imm-ikf"
 CHUNK_ROWS = 1 << 14
@@ -47,6 +47,8 @@ class View:
     index: npt.NDArray[np.int64]
     probability: npt.NDArray[Any]
     frequency_hz: npt.NDArray[Any]
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,8 @@ class Cleaned:
     counts: Mapping[str, Mapping[str, int]]
     views: Mapping[str, View]
     notes: tuple[str, ...]
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True)

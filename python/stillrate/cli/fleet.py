@@ -71,20 +71,32 @@ def command(
     settings = load_settings(config) if config is not None else None
     console = Console(stderr=True, soft_wrap=True)
     columns = (TextColumn("cleaning"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    seen = [0, 0]
+
+    def report(finished: int, total: int) -> None:
+        seen[:] = finished, total
+        bar.update(task, completed=finished, total=total)
+
     with Progress(*columns, console=console, transient=True, disable=quiet or not console.is_terminal) as bar:
         task = bar.add_task("cleaning", total=None)
-        fleet = run(
-            sources,
-            output,
-            config=settings,
-            method=method,
-            reading=reading.arguments(),
-            scheduler=scheduler,
-            workers=workers,
-            retry=retry,
-            force=force,
-            progress=lambda finished, total: bar.update(task, completed=finished, total=total),
-        )
+        try:
+            fleet = run(
+                sources,
+                output,
+                config=settings,
+                method=method,
+                reading=reading.arguments(),
+                scheduler=scheduler,
+                workers=workers,
+                retry=retry,
+                force=force,
+                progress=report,
+            )
+        except KeyboardInterrupt:
+            bar.stop()
+            words = f"stillrate: stopped with {seen[0]} of {seen[1]} logs finished; the same command continues"
+            console.print(words, highlight=False, markup=False)
+            return 130
     _say(fleet, console, quiet=quiet)
     return 1 if fleet.broken else 0
 

@@ -42,6 +42,7 @@ def command(
 
     A line holds one number a channel, or more fields of which `--columns` names the rates; the others are passed on
     as they are. A malformed line counts as a missing sample and is answered by the filter's estimate.
+    On a busy machine give it real-time priority: `chrt -f 10 stillrate live ...`.
 
     Parameters
     ----------

@@ -126,8 +126,9 @@ class Loop:
         raw = (math.nan,) * self.filter.channels if row is None else tuple(row.values)
         if row is not None and any(map(math.isnan, raw)):
             counts.missing += 1
-        rate = self.filter.update(*raw, dt_s=self._step_s(row))
-        clean = (rate,) if self.filter.channels == 1 else rate
+        dt_s = self._step_s(row)
+        one = self.filter.channels == 1
+        clean = (self.filter.update(raw[0], dt_s=dt_s),) if one else self.filter.update(raw, dt_s=dt_s)
         counts.raw, counts.clean = raw, clean
         if self._tap is not None:
             self._tap.sample(arrived_ns, raw, clean)
@@ -148,6 +149,10 @@ class Loop:
 def stop_on_signals() -> Iterator[Callable[[], bool]]:
     """Give a function that says whether ctrl-C or SIGTERM came; the second ctrl-C interrupts for good."""
     event = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        # Python lets only the main thread handle signals.
+        yield event.is_set
+        return
 
     def stop(number: int, frame: object) -> None:
         event.set()

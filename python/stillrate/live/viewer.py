@@ -11,6 +11,7 @@ from typing import Any, Self
 import numpy as np
 
 from stillrate.errors import LogError
+from stillrate.io.safely import first_line
 
 _EVERY_S = 0.1
 _KEPT = 1 << 16
@@ -33,10 +34,13 @@ class Rerun:
     def __init__(self, path: str | None = None) -> None:
         self._rerun = _module()
         self._stream: Any = self._rerun.RecordingStream("stillrate live")
-        if path is None:
-            self._stream.spawn()
-        else:
-            self._stream.save(path)
+        try:
+            if path is None:
+                self._stream.spawn()
+            else:
+                self._stream.save(path)
+        except (OSError, RuntimeError) as error:
+            raise LogError(f"the rerun viewer does not start ({first_line(error)})") from None
         self._samples: collections.deque[tuple[int, tuple[float, ...], tuple[float, ...]]]
         self._samples = collections.deque(maxlen=_KEPT)
         self._done = threading.Event()
@@ -73,7 +77,7 @@ class Rerun:
             table = np.array([row[which] for row in taken], dtype=np.float64)
             for channel in range(table.shape[1]):
                 self._stream.send_columns(
-                    f"channel {channel + 1}/{kind}",
+                    f"channel_{channel + 1}/{kind}",
                     indexes=[times],
                     columns=self._rerun.Scalars.columns(scalars=table[:, channel]),
                 )
@@ -83,8 +87,8 @@ def _module() -> Any:
     """Import rerun-sdk; another package bears the same name."""
     try:
         module = importlib.import_module("rerun")
-    except ModuleNotFoundError:
+    except ImportError:
         module = None
     if not hasattr(module, "RecordingStream"):
-        raise LogError("the viewer needs rerun: pip install rerun-sdk")
+        raise LogError("the viewer needs rerun: pip install 'stillrate[viewer]'")
     return module
