@@ -91,3 +91,37 @@ def test_formulas_use_no_accents_which_browsers_lose() -> None:
     for page in PAGES:
         found = re.findall(r"\\(?:d{0,3}dot|hat|bar|tilde|vec)\b", page.read_text(encoding="utf-8"))
         assert not found, f"{_name(page)}: {found[0]}: write a prime, or another letter"
+
+
+def test_every_public_name_has_its_place_in_the_reference() -> None:
+    import stillrate as sr
+
+    text = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "docs/reference").glob("*.md"))
+    for name in set(sr.__all__) - {"__version__"}:
+        asked = rf"auto(?:class|function|exception)::\s+{name}$|automodule:: stillrate\.{name}$"
+        assert re.search(asked, text, flags=re.M), name
+
+
+def _modules() -> list[str]:
+    import pkgutil
+
+    import stillrate
+
+    found = ["stillrate", *(item.name for item in pkgutil.walk_packages(stillrate.__path__, "stillrate."))]
+    return [name for name in found if not name.endswith("__main__")]
+
+
+def test_the_examples_in_docstrings_run() -> None:
+    import doctest
+    import importlib
+
+    tried, wrong = 0, []
+    for name in _modules():
+        try:
+            module = importlib.import_module(name)
+        except ImportError:  # an extra that is not installed
+            continue
+        result = doctest.testmod(module, verbose=False)
+        wrong += [name] * (result.failed > 0)
+        tried += result.attempted
+    assert not wrong and tried > 80, (wrong, tried)
