@@ -1,7 +1,8 @@
 """A camera gimbal's rate loop, sample by sample.
 
 This is the shape of a live program: a sample comes in with its time, goes through the filter, and the answer goes to the motor before
-the next one. For a sensor on UDP or a serial port, ``stillrate live`` does the same without a program. The filter never fails; what happened to a sample stands in its flags. Usage: python camera_gimbal.py
+the next one. The filter never fails; what happened to a sample stands in its flags. For a sensor on UDP or a serial port,
+``stillrate live`` does the same without a program. Usage: python camera_gimbal.py
 """
 
 from __future__ import annotations

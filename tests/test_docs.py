@@ -125,3 +125,25 @@ def test_the_examples_in_docstrings_run() -> None:
         wrong += [name] * (result.failed > 0)
         tried += result.attempted
     assert not wrong and tried > 80, (wrong, tried)
+
+
+def test_a_page_that_fetches_from_elsewhere_or_leads_nowhere_is_found(tmp_path: Path) -> None:
+    sys.path.insert(0, str(ROOT / "docs"))
+    from check_site import problems
+
+    sound = "<img src='a.svg'><a href='#here' id='here'>x</a><a href='https://example.org'>a link is no fetch</a>"
+    (tmp_path / "a.svg").write_text("<svg/>")
+    (tmp_path / "index.html").write_text(sound)
+    assert problems(tmp_path) == []
+    for wrong in (
+        "<script src='https://example.org/a.js'></script>",
+        "<link rel='stylesheet' href='//example.org/a.css'>",
+        "<a href='nowhere.html'>x</a>",
+        "<a href='index.html#nowhere'>x</a>",
+        "<img src='gone.png'>",
+    ):
+        (tmp_path / "page.html").write_text(wrong)
+        assert len(problems(tmp_path)) == 1, wrong
+    (tmp_path / "page.html").write_text("")
+    (tmp_path / "a.css").write_text('@font-face { src: url("https://example.org/font.woff2") }')
+    assert len(problems(tmp_path)) == 1
