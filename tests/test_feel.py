@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import importlib.util
 import inspect
 import math
@@ -222,6 +223,14 @@ def test_the_command_line_suggests_the_nearest_name(tmp_path, capsys):
         assert main([str(word) for word in arguments]) in (1, 2)
         said = capsys.readouterr().err
         assert near in said and said.count("\n") == 1, said
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_shows_the_whole_description_of_a_command(command, capsys):
+    assert main([command, "--help"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    described = importlib.import_module(f"stillrate.cli.{command.replace('-', '_')}").command.__doc__
+    assert " ".join(described.partition("Parameters\n")[0].split()) in said
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

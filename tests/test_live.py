@@ -85,6 +85,11 @@ def test_bad_lines_before_the_first_good_one_are_answered_with_it():
     assert code == 0 and len(lines) == 3 and lines[2] == "1.5"
 
 
+def test_a_scrap_at_the_start_costs_no_line():
+    code, lines, _ = feed(b"0.3\n1,2\n1,2\n", "--rate", "100", "--density", "0.02", "--method", "pt1")
+    assert code == 0 and lines == ["0.3", "1.0,2.0", "1.0,2.0"]
+
+
 @pytest.mark.parametrize(
     ("text", "arguments", "code", "words"),
     [

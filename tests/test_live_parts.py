@@ -62,6 +62,15 @@ def test_fields_keep_their_separator_and_units(separator):
     assert layout.format(row, row.values) == separator.join(["10", "1.0", "x"]).encode()
 
 
+def test_a_scrap_at_the_start_does_not_settle_the_layout():
+    layout = LineFormat()
+    assert layout.parse(b"rubbish 5").values == [5.0]
+    assert layout.parse(b"$IMU,1,2,3").values == [1.0, 2.0, 3.0]
+    assert layout.parse(b"$IMU,1,2,4").values == [1.0, 2.0, 4.0]
+    assert layout.parse(b"7") is None and layout.parse(b"$IMU,x,2,4") is None
+    assert layout.format(None, [1.0, 2.0, 3.0]) == b",1.0,2.0,3.0"
+
+
 def test_stamps_give_steps_as_in_a_log():
     clock = Clock(100.0)
     stamps = [b"1700000000000000000", b"1700000000010000000", b"1700000000020100000", b"x", b"1700000000050000000"]

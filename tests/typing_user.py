@@ -1,7 +1,7 @@
 """What a user with a strict type checker writes; checked by mypy and never run."""
 
 from pathlib import Path
-from typing import assert_type
+from typing import Any, assert_type
 
 import numpy as np
 import numpy.typing as npt
@@ -60,6 +60,7 @@ def logs(path: Path) -> sr.Log:
 def more() -> None:
     run = sr.simulate.static(50.0, 1)
     clean = sr.denoise(run.measured_dps, sample_rate_hz=50.0, method="ms-imm-ikf")
+    assert_type(clean, npt.NDArray[Any])
     print(sr.metrics.rmse(clean, run.measured_dps), sorted(methods()), load_config("a.toml"))
     rls = sr.VectorRls(2)
     rls.update([1.0, 0.5], 0.3)

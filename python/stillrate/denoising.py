@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, TypeVar, overload
 
 import numpy as np
+import numpy.typing as npt
 
 from stillrate._native import Filter
 from stillrate.arrays import as_samples, like
@@ -15,6 +17,31 @@ from stillrate.noise import GyroNoise, noise_from_log
 
 class MotionDominated(UserWarning):
     """Most of the signal is motion: the noise figures are an upper bound, the filter can take out little."""
+
+
+_Container = TypeVar("_Container")
+
+
+@overload
+def denoise(
+    samples: npt.NDArray[Any] | Sequence[Any],
+    *,
+    sample_rate_hz: float,
+    method: str = ...,
+    noise: GyroNoise | None = ...,
+    dt_s: Any = ...,
+) -> npt.NDArray[Any]: ...
+
+
+@overload
+def denoise(
+    samples: _Container,
+    *,
+    sample_rate_hz: float,
+    method: str = ...,
+    noise: GyroNoise | None = ...,
+    dt_s: Any = ...,
+) -> _Container: ...
 
 
 def denoise(

@@ -20,6 +20,12 @@ class Clock:
         Nominal rate in Hz.
     unit_s : float, optional
         Seconds per unit of the stamps; without it the unit that comes nearest to the nominal rate.
+
+    Examples
+    --------
+    >>> clock = Clock(100.0)
+    >>> [clock.step_s(stamp) for stamp in (b"1000", b"1010", b"1035")]
+    [None, 0.01, 0.025]
     """
 
     def __init__(self, sample_rate_hz: float, unit_s: float | None = None) -> None:

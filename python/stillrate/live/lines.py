@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from stillrate.errors import LogError
@@ -34,13 +34,21 @@ class LineFormat:
     Parameters
     ----------
     columns : sequence of str, optional
-        The rates, by position from 1 or by name; all fields, or those that a header calls a gyro, when left out.
+        The rates, by position from 1 or by name; all fields with numbers, or those that a header calls a gyro, when left
+        out.
     time : str, optional
         The time stamp, by position or name.
     unit : str, optional
         Unit of the rates, deg/s, rad/s or mdps; from the header or deg/s when left out.
     time_unit : str, optional
         Unit of the stamps, s, ms, us or ns; from the header or the rate when left out.
+
+    Examples
+    --------
+    >>> layout = LineFormat(columns=["2"])
+    >>> row = layout.parse(b"17;0.25;ok")
+    >>> row.values, layout.format(row, [0.2])
+    ([0.25], b'17;0.2;ok')
     """
 
     def __init__(
@@ -64,6 +72,7 @@ class LineFormat:
         self._time: int | None = None
         self._separator = b","
         self._fresh = True
+        self._sure = False
         self.names: list[str] = []
 
     @property
@@ -88,12 +97,16 @@ class LineFormat:
     def parse(self, line: bytes) -> Row | None:
         """Take a line apart; None if it is malformed."""
         separator, fields = _split(line)
-        if not self._width:
-            if not any(_number(field) is not None for field in fields):
+        # A layout that only one line has shown may be that of a scrap: a longer line says otherwise.
+        if not self._sure and len(fields) > self._width:
+            numeric = [index for index, field in enumerate(fields) if _number(field) is not None]
+            if not numeric:
                 return None
-            self._settle(separator, [], len(fields))
-        if len(fields) != self._width:
+            self._settle(separator, [], len(fields), numeric)
+        elif len(fields) != self._width:
             return None
+        else:
+            self._sure = True
         values = []
         for position, factor in zip(self._positions, self._factors, strict=True):
             value = _number(fields[position])
@@ -122,11 +135,12 @@ class LineFormat:
         recognised = known.best_axes(names) or known.lone_rate(names) or known.time_column(names)
         if not recognised and not any(name in names for name in [*(self._wanted or ()), self._wanted_time]):
             return False
-        self._settle(separator, names, len(names))
+        self._settle(separator, names, len(names), range(len(names)))
+        self._sure = True
         return True
 
-    def _settle(self, separator: bytes, names: list[str], width: int) -> None:
-        """Decide which field is what."""
+    def _settle(self, separator: bytes, names: list[str], width: int, numeric: Iterable[int]) -> None:
+        """Decide which field is what; `numeric` are those that may be rates."""
         time = self._wanted_time
         if time is None and names:
             time = known.time_column(names)
@@ -140,7 +154,7 @@ class LineFormat:
         elif lone := known.lone_rate(names):
             positions = [names.index(lone)]
         else:
-            positions = [index for index in range(width) if index != self._time]
+            positions = [index for index in numeric if index != self._time]
         if not positions or len(set(positions)) < len(positions) or self._time in positions:
             raise LogError("no field is left for the rates (--columns names them, each once, without the time)")
         self._positions, self._width, self._separator = positions, width, separator

@@ -112,11 +112,12 @@ class Loop:
                 self._waiting += 1
                 return []
         answers = []
-        if self.filter is None:
+        if self.filter is None or self.filter.channels != len(self.lines.names):
             self.filter = Filter(self.config, channels=len(self.lines.names))
             if self.lines.has_time:
                 self._clock = Clock(self.config.sample_rate_hz, self.lines.time_unit_s)
             answers = [self._step(None, arrived_ns) for _ in range(self._waiting)]
+            self._waiting = 0
         answers.append(self._step(row, arrived_ns))
         return answers
 

@@ -76,7 +76,14 @@ class Source(Protocol):
 
 
 class Splitter:
-    """Bytes into lines, of bounded length."""
+    r"""Bytes into lines, of bounded length.
+
+    Examples
+    --------
+    >>> splitter = Splitter()
+    >>> splitter.feed(b"1.0\n2."), splitter.feed(b"5\n")
+    ([b'1.0'], [b'2.5'])
+    """
 
     def __init__(self) -> None:
         self._rest = b""

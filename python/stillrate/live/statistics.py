@@ -12,7 +12,16 @@ _BINS = 520  # up to 700 s
 
 
 class Histogram:
-    """Durations in bins of 4 %, from 1 us on."""
+    """Durations in bins of 4 %, from 1 us on.
+
+    Examples
+    --------
+    >>> durations = Histogram()
+    >>> for k in range(1, 101):
+    ...     durations.add(1e-3 * k)
+    >>> round(durations.percentile_s(50.0), 2)
+    0.05
+    """
 
     def __init__(self) -> None:
         self._counts = [0] * _BINS

@@ -6,8 +6,9 @@
 use super::singer_imm_kf::{SingerImmKf, SingerImmKfState, SingerImmModel};
 use crate::filter::{Estimate, Flags, Sample};
 use crate::gaussian::Gaussian2;
-use crate::imm::{interact, mix2, weigh2};
-use crate::kalman::{Reading, predict_singer, update2};
+use crate::imm::{mix2, normalised, prior2, shares};
+use crate::kalman::{Reading, mix_ahead, update2};
+use crate::models::SingerCoefficients;
 use crate::real::Real;
 
 impl<T: Real> SingerImmKf<T> {
@@ -19,28 +20,41 @@ impl<T: Real> SingerImmKf<T> {
         if checked.present && (state.started == T::ZERO || checked.restart) {
             self.begin(state, checked.value);
         }
-        let started = state.started != T::ZERO;
-        if checked.moves && started {
-            let [first, second] = self.leave;
-            let transition = [[T::ONE - first, first], [second, T::ONE - second]];
-            let (prior, weight) = interact(&transition, &state.probability);
-            let rest = mixed(weight[0], &state.model);
-            state.model[1] = mixed(weight[1], &state.model);
-            state.model[0] = rest;
+        let runs = checked.moves && state.started != T::ZERO;
+        if runs {
             let dt = T::select(checked.restart, self.period_s, checked.dt);
-            let value = checked.present.then_some(checked.value);
-            let (exponent_0, factor_0) = self.model[0].carry(&mut state.model[0], dt, self.period_s, value);
-            let (exponent_1, factor_1) = self.model[1].carry(&mut state.model[1], dt, self.period_s, value);
-            let (exponent, factor) = ([exponent_0, exponent_1], [factor_0, factor_1]);
-            state.probability = weigh2(&prior, &exponent, &factor, checked.present).map(Real::flushed);
+            // Absent things as numbers that cannot otherwise occur: what is alive over the calls below takes stack.
+            let unusual = T::select(dt == self.period_s, T::ZERO, dt);
+            let value = T::select(checked.present, sample.value, T::of(f64::NAN));
+            self.interact(state, unusual);
+            let [rest, motion] = &mut state.model;
+            let [w_rest, w_motion] = &mut state.weight;
+            let exponent = carry(rest, w_rest, value, self.model[0].measurement_variance);
+            let rise = carry(motion, w_motion, value, self.model[1].measurement_variance) - exponent;
+            *w_motion *= rise.doubling();
         }
-        let fused = mixed(state.probability[0], &state.model);
+        let [first, _] = normalised(&state.weight);
+        let fused = mix2(first, &state.model[0], &state.model[1]);
         Estimate {
             rate: fused.mean[0],
             acceleration: fused.mean[1],
             variance: fused.covariance[0],
-            flags: checked.flags.with(Flags::NO_DATA_YET.when(!started)),
+            flags: checked.flags.with(Flags::NO_DATA_YET.when(state.started == T::ZERO)),
         }
+    }
+
+    /// Replaces both models by what is predicted from the mixtures they start from, and their weights by the probabilities before the
+    /// sample.
+    #[inline(never)]
+    fn interact(&self, state: &mut SingerImmKfState<T>, unusual: T) {
+        let [first, second] = self.leave;
+        let transition = [[T::ONE - first, first], [second, T::ONE - second]];
+        let share = shares(&transition, &state.weight);
+        state.weight = prior2(&transition, &normalised(&state.weight));
+        let mut room = self.model[0].step;
+        let moved = ahead(share[1], &state.model, self.model[1].over_unless_usual(unusual, &mut room));
+        state.model[0] = ahead(share[0], &state.model, self.model[0].over_unless_usual(unusual, &mut room));
+        state.model[1] = moved;
     }
 
     /// Starts from a sample.
@@ -50,38 +64,41 @@ impl<T: Real> SingerImmKf<T> {
             own.mean = [value, T::ZERO];
             own.covariance = [model.start_variance[0], T::ZERO, model.start_variance[1]];
         }
-        state.probability = [self.start_probability, T::ONE - self.start_probability];
+        state.weight = [self.start_probability, T::ONE - self.start_probability];
         state.started = T::ONE;
     }
 }
 
 impl<T: Real> SingerImmModel<T> {
-    /// Predicts and updates one model in place; the evidence of the sample, if there is one.
+    /// The coefficients of an unusual time step, computed into `room`, or the usual ones where it is 0.
     #[inline(never)]
-    fn carry(&self, own: &mut Gaussian2<T>, dt: T, period_s: T, value: Option<T>) -> (T, T) {
-        let unusual;
-        let step = if dt == period_s {
-            &self.step
-        } else {
-            unusual = self.over(dt);
-            &unusual
-        };
-        *own = predict_singer(own, step, T::ONE);
-        let mut said = (T::ZERO, T::ONE);
-        if let Some(value) = value {
-            let (updated, evidence) = update2(own, &Reading::plain(value, self.measurement_variance));
-            *own = updated;
-            said = (evidence.exponent, evidence.factor);
+    fn over_unless_usual<'a>(&'a self, unusual: T, room: &'a mut SingerCoefficients<T>) -> &'a SingerCoefficients<T> {
+        if unusual == T::ZERO {
+            return &self.step;
         }
-        own.mean = own.mean.map(Real::flushed);
-        said
+        *room = self.over(unusual);
+        room
     }
 }
 
-/// Mixture of both models, the first with weight `w`.
+/// What a model predicts from both, the first with weight `w`.
 #[inline(never)]
-fn mixed<T: Real>(w: T, models: &[Gaussian2<T>; 2]) -> Gaussian2<T> {
-    mix2(w, &models[0], &models[1])
+fn ahead<T: Real>(w: T, models: &[Gaussian2<T>; 2], step: &SingerCoefficients<T>) -> Gaussian2<T> {
+    mix_ahead(w, &models[0], &models[1], step)
+}
+
+/// Updates one model with a value that is not NaN, in place. Multiplies its weight by the likelihood's factor and gives its exponent.
+#[inline(never)]
+fn carry<T: Real>(own: &mut Gaussian2<T>, weight: &mut T, value: T, variance: T) -> T {
+    let mut exponent = T::ZERO;
+    if value.finite() {
+        let (updated, evidence) = update2(own, &Reading::plain(value, variance));
+        *own = updated;
+        *weight *= evidence.factor;
+        exponent = evidence.exponent;
+    }
+    own.mean = own.mean.map(Real::flushed);
+    exponent
 }
 
 #[cfg(test)]
