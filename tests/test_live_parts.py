@@ -10,7 +10,7 @@ from stillrate.errors import LogError
 from stillrate.live import LineFormat
 from stillrate.live.clock import Clock
 from stillrate.live.source import LONGEST_LINE, Splitter, open_source
-from stillrate.live.statistics import Histogram
+from stillrate.live.statistics import Histogram, Statistics
 
 
 def test_a_file_is_no_live_source(tmp_path):
@@ -90,3 +90,13 @@ def test_percentiles_are_those_of_the_sample_within_a_bin():
     for percent in (1.0, 50.0, 99.0, 100.0):
         assert histogram.percentile_s(percent) == pytest.approx(np.percentile(values, percent), rel=0.045)
     assert histogram.largest_s == values.max()
+
+
+def test_a_pause_of_the_sender_does_not_count_into_the_rate():
+    counts = Statistics(period_s=0.01)
+    at = 1_000_000_000
+    for index in range(200):
+        at += 2_000_000_000 if index == 100 else 10_000_000
+        counts.arrived(at, 1, connected=index != 150)
+    assert counts.rate_hz == pytest.approx(100.0)
+    assert counts.jitter.largest_s == pytest.approx(1.99)

@@ -128,7 +128,7 @@ def _summarise(loop: Loop, console: Console) -> None:
     for name, estimate in zip(loop.lines.names, estimates(loop), strict=False):
         said.append(f"{name}: model in force {in_force(loop, estimate)}")
     if warning := remark(loop):
-        said.append(warning.strip())
+        said.append(warning.strip(" ()"))
     for line in said:
         console.print(f"live: {line}", highlight=False, markup=False)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 _STEP = math.log(1.04)
 _SMALLEST_S = 1e-6
 _BINS = 520  # up to 700 s
+_PAUSE_S = 0.25
 
 
 class Histogram:
@@ -79,16 +80,20 @@ class Statistics:
     started_s: float = field(default_factory=time.monotonic)
     first_ns: int = 0
     last_ns: int = 0
-    _rate_lines: int = 0
+    _rate_samples: int = 0
+    _rate_span_s: float = 0.0
 
     def arrived(self, at_ns: int, samples: int, *, connected: bool) -> None:
         """Count the arrival of a batch."""
         if not self.first_ns:
             self.first_ns = at_ns
         elif samples and connected:
-            interval = (at_ns - self.last_ns) * 1e-9 / samples
-            self.jitter.add(abs(interval - self.period_s))
-            self._rate_lines += samples
+            passed = (at_ns - self.last_ns) * 1e-9
+            self.jitter.add(abs(passed / samples - self.period_s))
+            # A pause of the sender is no rate.
+            if passed < max(_PAUSE_S, 20.0 * self.period_s):
+                self._rate_samples += samples
+                self._rate_span_s += passed
         self.last_ns = at_ns
 
     def sent(self, arrived_ns: int, lines: int) -> None:
@@ -98,9 +103,8 @@ class Statistics:
 
     @property
     def rate_hz(self) -> float:
-        """Mean rate of arrival in Hz, NaN before the second batch."""
-        span = (self.last_ns - self.first_ns) * 1e-9
-        return self._rate_lines / span if span > 0 else math.nan
+        """Mean rate of arrival in Hz without pauses, NaN before the second batch."""
+        return self._rate_samples / self._rate_span_s if self._rate_span_s > 0 else math.nan
 
     def summary(self) -> list[str]:
         """Return the figures in words."""
