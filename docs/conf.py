@@ -46,6 +46,8 @@ html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
+# The summaries would be fetched, which a page opened from a disk may not.
+html_show_search_summary = False
 html_show_copyright = False
 html_theme_options = {"navigation_with_keys": True, "footer_icons": []}
 pygments_style = "tango"
