@@ -58,7 +58,7 @@ test-docs: docs
 
 bench: $(STAMP)
 	$(PY) -m pip install --quiet -r benches/requirements.txt
-	cd benches && ../$(PY) bench.py
+	cd benches && ../$(PY) bench.py && ../$(PY) accuracy.py && ../$(PY) scaling.py
 
 lint: .venv/.test-tools
 	cargo fmt --check
