@@ -30,6 +30,11 @@ def tuned_and_cleaned(folder, still, moving, ending, *, report=True):
     assert typed("filter", moving, "--config", settings, "-o", clean, "--quiet", *told) == 0
     before, after = sr.read(moving), sr.read(clean)
     assert len(after) == len(before) and after.channels[0].split("_")[0] == before.channels[0].split("_")[0]
+    lines = settings.read_text().splitlines()
+    for at, line in enumerate(lines):
+        if " = " in line and not line.startswith("#"):
+            above = next(other for other in reversed(lines[:at]) if " = " not in other or other.startswith("#"))
+            assert above.startswith("# "), f"{line!r} has no comment"
     # Text and tables keep their own time column; what is read back has the same steps.
     np.testing.assert_allclose(after.t_s, before.t_s, atol=1e-6)
     assert np.isfinite(after.rate_dps).all() and (after.rate_dps != before.rate_dps).any()
