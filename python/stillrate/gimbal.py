@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stillrate import _native
+from stillrate.results import brief
 
 Floats = npt.NDArray[np.float64]
 
@@ -110,6 +111,8 @@ class History:
     coefficients: Floats
     standard_deviation: Floats
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True)
 class Calibration:
@@ -146,6 +149,8 @@ class Calibration:
     hidden: dict[str, tuple[float, float, float]]
     weakest: tuple[tuple[float, str], ...]
     details: dict[str, Any]
+
+    __repr__ = brief
 
     def __getitem__(self, name: str) -> float:
         """Return a coefficient by its name."""
@@ -291,6 +296,8 @@ class Bound:
     weakest: tuple[tuple[float, str], ...]
     unobservable: tuple[str, ...]
 
+    __repr__ = brief
+
 
 def bound(
     command_rad_s: npt.ArrayLike,
@@ -426,6 +433,8 @@ class Plan:
     segments_deg_s: Floats
     before: dict[str, float]
     after: dict[str, float]
+
+    __repr__ = brief
 
 
 def plan(
