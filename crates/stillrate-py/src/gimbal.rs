@@ -153,6 +153,7 @@ fn gimbal_calibrate<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let half_window = get(settings, "half_window", usize::MAX)?;
     let diagnose = get(settings, "diagnose", false)?;
+    let bounds = get(settings, "bounds", true)?;
     let settings = settings_from(py, settings)?;
     let Some(method) = Method::named(method) else {
         let names: Vec<&str> = Method::NAMED.iter().map(|(name, _)| *name).collect();
@@ -176,7 +177,9 @@ fn gimbal_calibrate<'py>(
             cut_off_rad: settings.cut_off_rad,
         };
         let at = if outcome.diverged { settings.prior } else { outcome.coefficients };
-        let bound = lab::bound(&settings.model, &at, &settings.scale, &outcome.indices, &prepared.commands, &sampling);
+        let bound = bounds.then(|| {
+            lab::bound(&settings.model, &at, &settings.scale, &outcome.indices, &prepared.commands, &sampling)
+        });
         let hidden = if diagnose { lab::hidden(&record, &settings)? } else { Vec::new() };
         Ok((outcome, bound, hidden))
     });
@@ -196,10 +199,11 @@ fn gimbal_calibrate<'py>(
     result.set_item("sigma_m_s2", prepared.sigma_m_s2)?;
     result.set_item("interval_s", prepared.interval_s)?;
     result.set_item("missing", prepared.missing)?;
-    result.set_item("unobservable", bound.unobservable(&settings.scale))?;
-    result.set_item("bound", PyArray1::from_slice(py, &bound.deviation))?;
-    result.set_item("kappa_bound", bound.kappa_deviation)?;
-    result.set_item("weakest", bound.weakest(4))?;
+    let deviation = bound.as_ref().map_or([f64::NAN; COUNT], |b| b.deviation);
+    result.set_item("bound", PyArray1::from_slice(py, &deviation))?;
+    result.set_item("kappa_bound", bound.as_ref().map_or(f64::NAN, |b| b.kappa_deviation))?;
+    result.set_item("unobservable", bound.as_ref().map_or_else(Vec::new, |b| b.unobservable(&settings.scale)))?;
+    result.set_item("weakest", bound.as_ref().map_or_else(Vec::new, |b| b.weakest(4)))?;
     result.set_item("hidden", hidden)?;
     if let Some(tests) = outcome.tests {
         let dict = PyDict::new(py);

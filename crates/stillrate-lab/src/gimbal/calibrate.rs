@@ -198,14 +198,40 @@ impl Collector {
 /// ```
 pub fn calibrate(record: &Record<'_>, method: Method, settings: &Settings) -> Result<Outcome, ConfigError> {
     let count = settings.indices()?.len();
-    match (count <= 30, settings.single) {
-        (true, false) => run::<f64, 30>(record, method, settings),
-        (true, true) => run::<f32, 30>(record, method, settings),
-        (false, false) => run::<f64, COUNT>(record, method, settings),
-        (false, true) => run::<f32, COUNT>(record, method, settings),
+    match (count <= BASIC, settings.single) {
+        (true, false) => widest::<f64, BASIC>(record, method, settings),
+        (true, true) => widest::<f32, BASIC>(record, method, settings),
+        (false, false) => widest::<f64, ALL>(record, method, settings),
+        (false, true) => widest::<f32, ALL>(record, method, settings),
     }
 }
 
+/// Capacity for the 30 observable coefficients, in whole groups of four rows of the square root.
+const BASIC: usize = 32;
+/// Capacity for everything.
+const ALL: usize = 44;
+
+/// [`run`] compiled for the instructions that this machine has: the operations are the same, and so are the bits.
+fn widest<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Settings) -> Result<Outcome, ConfigError> {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the feature was just detected.
+        return unsafe { run_avx2::<T, N>(record, method, s) };
+    }
+    run::<T, N>(record, method, s)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn run_avx2<T: Real, const N: usize>(
+    record: &Record<'_>,
+    method: Method,
+    s: &Settings,
+) -> Result<Outcome, ConfigError> {
+    run::<T, N>(record, method, s)
+}
+
+#[inline(always)]
 fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Settings) -> Result<Outcome, ConfigError> {
     let selection = Selection::<N>::for_triads(s.gauge, s.options, &s.model.triads)?;
     let mut estimator = Estimator::<T, N>::new(s.model, selection, &s.scale, s.angle_random_walk_deg_sqrt_h)?
@@ -245,7 +271,7 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
                 }
                 residuals.push(innovations);
                 if collector.due(pass.epoch) {
-                    let deviation = estimator.standard_deviation(&pass.factor);
+                    let deviation = relinearised.standard_deviation(pass);
                     collector.push(pass.epoch, relinearised.estimate(pass), deviation);
                 }
             });
@@ -260,12 +286,12 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
                 let innovations = filter.epoch(&mut state, record, k, s.reference);
                 residuals.push(&innovations);
                 if collector.due(k + 1) {
-                    let deviation = estimator.standard_deviation(&state.factor);
+                    let deviation = filter.standard_deviation(&state);
                     collector.push(k + 1, filter.attitude_and_coefficients(&state), deviation);
                 }
             }
             outcome.coefficients = filter.attitude_and_coefficients(&state);
-            outcome.deviation = estimator.standard_deviation(&state.factor);
+            outcome.deviation = filter.standard_deviation(&state);
         }
         Method::FirstOrder => {
             let filter = FirstOrder { estimator };
@@ -273,11 +299,11 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
             for k in 0..total {
                 residuals.push(&filter.epoch(&mut state, record, k));
                 if collector.due(k + 1) {
-                    collector.push(k + 1, state.coefficients, estimator.standard_deviation(&state.factor));
+                    collector.push(k + 1, state.coefficients, filter.standard_deviation(&state));
                 }
             }
             outcome.coefficients = state.coefficients;
-            outcome.deviation = estimator.standard_deviation(&state.factor);
+            outcome.deviation = filter.standard_deviation(&state);
         }
         Method::Batch => {
             let solution = batch(&s.model, record, &outcome.indices, &s.prior, &s.scale, s.reference, s.robust);

@@ -13,6 +13,7 @@ pub mod score;
 pub mod simulate;
 pub mod study;
 pub mod trajectory;
+pub mod triangle;
 
 pub use batch::{Batch, batch};
 pub use bound::{Bound, Sampling, bound, sensitivities};

@@ -123,6 +123,11 @@ impl<'a> Record<'a> {
     #[must_use]
     #[inline]
     pub fn command(&self, k: usize) -> [f64; 3] {
+        if let Some(w) = self.command.get(k)
+            && w.iter().all(|x| x.finite())
+        {
+            return *w;
+        }
         let before = self.command.get(..=k).unwrap_or(self.command);
         before.iter().rev().find(|w| w.iter().all(|x| x.finite())).copied().unwrap_or([0.0; 3])
     }
@@ -144,7 +149,7 @@ impl<'a> Record<'a> {
     }
 
     /// Intercept of samples minus `predicted(j)` around epoch `k`, with its variance.
-    #[inline]
+    #[inline(always)]
     pub fn intercept(&self, k: usize, robust: bool, mut predicted: impl FnMut(isize) -> [f64; 3]) -> Measurement {
         let mut difference = [[0.0; WINDOW]; 3];
         let mut place = [0.0; WINDOW];
@@ -162,13 +167,40 @@ impl<'a> Record<'a> {
         }
         let mut measurement = Measurement::NONE;
         for axis in 0..3 {
-            if let Some((value, factor)) = line(&place, &difference[axis], n, self.sigma, robust) {
+            // The common case: a full window without a spike.
+            let full = if n == self.half * 2 + 1 { calm(&difference[axis], self.half, self.sigma) } else { None };
+            if let Some(value) = full {
+                measurement.value[axis] = value;
+                measurement.variance[axis] = self.sigma * self.sigma / n as f64;
+            } else if let Some((value, factor)) = line(&place, &difference[axis], n, self.sigma, robust) {
                 measurement.value[axis] = value;
                 measurement.variance[axis] = factor * self.sigma * self.sigma;
             }
         }
         measurement
     }
+}
+
+/// Intercept of the least-squares line through a full window, its middle value, if all samples are there and none is far from the line.
+#[inline(always)]
+fn calm(y: &[f64; WINDOW], half: usize, sigma: f64) -> Option<f64> {
+    let n = 2 * half + 1;
+    let y = y.get(..n)?;
+    let (mut sum, mut slope, mut square) = (0.0, 0.0, 0.0);
+    for (i, y) in y.iter().enumerate() {
+        let j = i as f64 - half as f64;
+        sum += y;
+        slope += j * y;
+        square += j * j;
+    }
+    let middle = sum / n as f64;
+    let slope = if half > 0 { slope / square } else { 0.0 };
+    let mut quiet = true;
+    for (i, y) in y.iter().enumerate() {
+        let j = i as f64 - half as f64;
+        quiet &= (y - middle - slope * j).magnitude() <= CALM_SIGMA * sigma;
+    }
+    quiet.then_some(middle)
 }
 
 /// Least-squares line through the marked points: intercept, slope and variance factor of the intercept.
