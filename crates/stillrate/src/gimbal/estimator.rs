@@ -167,17 +167,23 @@ impl<T: Real, const N: usize> Estimator<T, N> {
     /// Variances of the attitude now, rad^2.
     #[inline(always)]
     pub(crate) fn attitude_variance(&self, factor: &Factor<T, N>, carried: &Carried<N>) -> [f64; 3] {
-        core::array::from_fn(|axis| {
-            let sigma = factor.project(&carried.rows[axis].map(T::of));
-            sum_of_squares(&sigma).widen() * self.scaled[axis] * self.scaled[axis]
-        })
+        let mut rows = [[T::ZERO; N]; 3];
+        for (row, exact) in rows.iter_mut().zip(&carried.rows) {
+            for (slot, x) in row.iter_mut().zip(exact) {
+                *slot = T::of(*x);
+            }
+        }
+        let [x, y, z] = factor.variances_along(&rows);
+        let [a, b, c] = [self.scaled[0], self.scaled[1], self.scaled[2]];
+        [x.widen() * a * a, y.widen() * b * b, z.widen() * c * c]
     }
 
     /// A row of derivatives (SI units, by the attitude now and the coefficients) in scaled numbers, times `weight`. Besides the
     /// attitude only the coefficients of accelerometer `axis` may be other than 0.
     #[inline(always)]
     pub(crate) fn row(&self, carried: &Carried<N>, row: &Row, axis: usize, weight: f64) -> [f64; N] {
-        let [x, y, z] = core::array::from_fn(|r| row[r] * self.scaled[r] * weight);
+        let [x, y, z] =
+            [row[0] * self.scaled[0] * weight, row[1] * self.scaled[1] * weight, row[2] * self.scaled[2] * weight];
         let mut packed = [0.0; N];
         for (slot, ((a, b), c)) in
             packed.iter_mut().zip(carried.rows[0].iter().zip(&carried.rows[1]).zip(&carried.rows[2]))
@@ -211,7 +217,11 @@ impl<T: Real, const N: usize> Estimator<T, N> {
         correction: &mut [f64; N],
     ) -> (f64, f64) {
         let innovation = residual - product(row, correction);
-        let gain = factor.absorb(&row.map(T::of));
+        let mut rounded = [T::ZERO; N];
+        for (slot, h) in rounded.iter_mut().zip(row) {
+            *slot = T::of(*h);
+        }
+        let gain = factor.absorb(&rounded);
         let variance = gain.variance.widen();
         let factor = innovation / variance;
         for (c, p) in correction.iter_mut().zip(&gain.covariance) {
@@ -253,19 +263,5 @@ fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
         }
     }
     let rest = last_a.iter().zip(last_b).fold(0.0, |sum, (a, b)| sum + a * b);
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
-}
-
-/// The same of a vector with itself.
-#[inline(always)]
-fn sum_of_squares<T: Real, const N: usize>(a: &[T; N]) -> T {
-    let (a, last) = a.as_chunks::<4>();
-    let mut sums = [T::ZERO; 4];
-    for a in a {
-        for l in 0..4 {
-            sums[l] += a[l] * a[l];
-        }
-    }
-    let rest = last.iter().fold(T::ZERO, |sum, a| sum + *a * *a);
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }

@@ -175,6 +175,31 @@ impl<T: Real, const N: usize> Factor<T, N> {
         sigma
     }
 
+    /// |U^T h|^2 of three rows, their variances, in one walk over the columns.
+    #[must_use]
+    #[inline(always)]
+    pub fn variances_along(&self, rows: &[[T; N]; 3]) -> [T; 3] {
+        let mut squares = [T::ZERO; 3];
+        for (j, column) in self.root.data.0.iter().enumerate().take(self.count) {
+            let (u, last_u) = column.as_chunks::<GROUP>();
+            for (square, row) in squares.iter_mut().zip(rows) {
+                let (h, last_h) = row.as_chunks::<GROUP>();
+                let mut sums = [T::ZERO; GROUP];
+                for (h, u) in h.iter().zip(u).take(j / GROUP + 1) {
+                    for l in 0..GROUP {
+                        sums[l] += h[l] * u[l];
+                    }
+                }
+                let mut sum = (sums[0] + sums[2]) + (sums[1] + sums[3]);
+                for (h, u) in last_h.iter().zip(last_u) {
+                    sum += *h * *u;
+                }
+                *square += sum * sum;
+            }
+        }
+        squares
+    }
+
     /// U s.
     #[must_use]
     pub fn times(&self, s: &[f64; N]) -> [f64; N] {

@@ -12,6 +12,7 @@ pub mod factor;
 pub mod first_order;
 pub mod geometry;
 pub mod joint;
+mod line;
 pub mod model;
 pub mod norm_loop;
 pub mod record;

@@ -10,8 +10,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::coefficients::{
-    ATTITUDE, COUNT, Coefficients, FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, FORCE_BIAS, FORCE_QUADRATIC, FORCE_SCALE,
-    G_INPUT, G_OUTPUT, G_SPIN, GYRO_ABOUT_OUTPUT, GYRO_ABOUT_SPIN, GYRO_BIAS, LATENCY, LATITUDE, TORQUER, Triads,
+    ATTITUDE, COUNT, FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, FORCE_BIAS, FORCE_QUADRATIC, FORCE_SCALE, G_INPUT,
+    G_OUTPUT, G_SPIN, GYRO_ABOUT_OUTPUT, GYRO_ABOUT_SPIN, GYRO_BIAS, LATENCY, LATITUDE, TORQUER, Triads,
 };
 use super::geometry::Geometry;
 use super::rotation::{apply, cross, exponential, product, turned};
@@ -292,11 +292,5 @@ impl Geometry {
     pub fn force_rate(&self, model: &Model, rotation: &Matrix3<f64>, rate: &Vector3<f64>) -> Vector3<f64> {
         let force = model.force(rotation);
         cross(&force, rate) + apply(rotation, &cross(&self.earth_rate, &model.force_n()))
-    }
-
-    /// The coefficients this geometry was made from.
-    #[must_use]
-    pub const fn coefficients(&self) -> &Coefficients {
-        &self.coefficients
     }
 }
