@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from stillrate import _native
 from stillrate.arrays import as_column
+from stillrate.results import brief
 
 __all__ = [
     "Bed",
@@ -181,6 +182,8 @@ class Reading:
     measured_dps: Array
     truth_dps: Array
     drift_dps: Array
+
+    __repr__ = brief
 
 
 def gyro(motion_dps: Any, sample_rate_hz: float, seed: int, noise: GyroModel | None = None) -> Reading:

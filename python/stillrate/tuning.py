@@ -8,8 +8,8 @@ import numpy as np
 
 from stillrate.allan_deviation import Allan, allan
 from stillrate.cleaning import DEFAULT_METHOD
-from stillrate.config import Config, methods
-from stillrate.errors import ConfigError, LogError
+from stillrate.config import Config, method_class
+from stillrate.errors import LogError
 from stillrate.io.log import Floats, Log
 from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 
@@ -81,15 +81,13 @@ def tune(log: Log, method: str = DEFAULT_METHOD, *, rest: slice | None = None) -
 
 def tune_with_reasons(log: Log, method: str = DEFAULT_METHOD, *, rest: slice | None = None) -> Tuned:
     """As `tune`, with what each axis showed."""
-    known = methods()
-    if method not in known:
-        raise ConfigError(f"no method {method!r} (one of {', '.join(sorted(known))})")
+    cls = method_class(method)
     rates = log.rate_dps if rest is None else log.rate_dps[rest]
     if len(rates) < 8:
         raise LogError(f"{len(rates)} samples of rest (must be at least 8)")
     found = noise_from_log(rates, log.sample_rate_hz)
     noise = GyroNoise.from_log(rates, sample_rate_hz=log.sample_rate_hz)
-    config = known[method](sample_rate_hz=log.sample_rate_hz, noise=noise)
+    config = cls(sample_rate_hz=log.sample_rate_hz, noise=noise)
     return Tuned(config, dict(zip(log.channels, found, strict=True)))
 
 

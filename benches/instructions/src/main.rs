@@ -10,8 +10,8 @@ use stillrate::{Filter, GyroNoise, Real, Reals, Settings, block, filters};
 
 /// Rows that are counted.
 const ROWS: usize = 1024;
-/// Rows before.
-const WARM_UP: usize = 256;
+/// Rows before: enough for every memory of the default settings to settle.
+const WARM_UP: usize = 8192;
 /// Sample rate of the recommended settings, Hz.
 const RATE_HZ: f64 = 1000.0;
 

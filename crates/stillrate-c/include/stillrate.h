@@ -1245,8 +1245,7 @@ STILLRATE_LAYOUT(stillrate_sage_husa_kf_f64_state, 88, 8);
 /* One Singer model of the pair. */
 typedef struct stillrate_singer_imm_model_f32 {
     float alpha; /* Reciprocal time constant, 1/s. */
-    float intensity; /* Density of the driving noise. */
-    stillrate_singer_coefficients_f32 step; /* Coefficients at the nominal period. */
+    stillrate_singer_coefficients_f32 step; /* Coefficients at the nominal period, driving noise included. */
     float measurement_variance; /* Variance of a sample. */
     float start_variance[2]; /* Variances of rate and acceleration at the first sample. */
 } stillrate_singer_imm_model_f32;
@@ -1255,15 +1254,15 @@ typedef struct stillrate_singer_imm_model_f32 {
 typedef struct stillrate_singer_imm_kf_f32 {
     float period_s; /* Nominal sample period, s. */
     stillrate_singer_imm_model_f32 model[2]; /* The two models. */
-    float transition[2][2]; /* Transition probabilities fromto a sample. */
-    float start_probability[2]; /* Probabilities before the first sample. */
+    float leave[2]; /* Probabilities of leaving each model for the other, a sample. */
+    float start_probability; /* Probability of the first model before the first sample. */
     float limit; /* Values beyond this magnitude count as missing. */
 } stillrate_singer_imm_kf_f32;
 
 /* State of SingerImmKf. */
 typedef struct stillrate_singer_imm_kf_state_f32 {
     stillrate_gaussian2_f32 model[2]; /* Rate and acceleration of both models. */
-    float probability[2]; /* Their probabilities. */
+    float weight[2]; /* Their weights: probabilities once divided by their sum. */
     float started; /* 1 once a sample has been seen. */
 } stillrate_singer_imm_kf_state_f32;
 
@@ -1284,7 +1283,7 @@ float stillrate_singer_imm_kf_f32_step(const stillrate_singer_imm_kf_f32_config 
 /* What the last step found. */
 void stillrate_singer_imm_kf_f32_estimate(const stillrate_singer_imm_kf_f32_state *state, stillrate_estimate_f32 *out);
 
-STILLRATE_LAYOUT(stillrate_singer_imm_kf_f32_config, 112, 4);
+STILLRATE_LAYOUT(stillrate_singer_imm_kf_f32_config, 92, 4);
 STILLRATE_LAYOUT(stillrate_singer_imm_kf_f32_state, 68, 4);
 
 /* ---- singer-imm-kf in f64 ---- */
@@ -1292,8 +1291,7 @@ STILLRATE_LAYOUT(stillrate_singer_imm_kf_f32_state, 68, 4);
 /* One Singer model of the pair. */
 typedef struct stillrate_singer_imm_model_f64 {
     double alpha; /* Reciprocal time constant, 1/s. */
-    double intensity; /* Density of the driving noise. */
-    stillrate_singer_coefficients_f64 step; /* Coefficients at the nominal period. */
+    stillrate_singer_coefficients_f64 step; /* Coefficients at the nominal period, driving noise included. */
     double measurement_variance; /* Variance of a sample. */
     double start_variance[2]; /* Variances of rate and acceleration at the first sample. */
 } stillrate_singer_imm_model_f64;
@@ -1302,15 +1300,15 @@ typedef struct stillrate_singer_imm_model_f64 {
 typedef struct stillrate_singer_imm_kf_f64 {
     double period_s; /* Nominal sample period, s. */
     stillrate_singer_imm_model_f64 model[2]; /* The two models. */
-    double transition[2][2]; /* Transition probabilities fromto a sample. */
-    double start_probability[2]; /* Probabilities before the first sample. */
+    double leave[2]; /* Probabilities of leaving each model for the other, a sample. */
+    double start_probability; /* Probability of the first model before the first sample. */
     double limit; /* Values beyond this magnitude count as missing. */
 } stillrate_singer_imm_kf_f64;
 
 /* State of SingerImmKf. */
 typedef struct stillrate_singer_imm_kf_state_f64 {
     stillrate_gaussian2_f64 model[2]; /* Rate and acceleration of both models. */
-    double probability[2]; /* Their probabilities. */
+    double weight[2]; /* Their weights: probabilities once divided by their sum. */
     double started; /* 1 once a sample has been seen. */
 } stillrate_singer_imm_kf_state_f64;
 
@@ -1331,7 +1329,7 @@ double stillrate_singer_imm_kf_f64_step(const stillrate_singer_imm_kf_f64_config
 /* What the last step found. */
 void stillrate_singer_imm_kf_f64_estimate(const stillrate_singer_imm_kf_f64_state *state, stillrate_estimate_f64 *out);
 
-STILLRATE_LAYOUT(stillrate_singer_imm_kf_f64_config, 224, 8);
+STILLRATE_LAYOUT(stillrate_singer_imm_kf_f64_config, 184, 8);
 STILLRATE_LAYOUT(stillrate_singer_imm_kf_f64_state, 136, 8);
 
 /* ---- singer-kf in f32 ---- */

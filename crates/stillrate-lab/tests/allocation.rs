@@ -59,8 +59,9 @@ fn requests_while_calibrating_a_gimbal<T: Real>() -> u64 {
     let estimator = Estimator::<T, 32>::new(model, selection, &DEFAULT_SCALE, 0.0).unwrap();
     let mut command = vec![[0.01, -0.005, 0.0]; 200];
     command[60] = [f64::NAN, 0.0, 0.0];
-    let sample =
-        |k: usize| [0.1 * (k % 7) as f64, if k % 53 == 0 { f64::NAN } else { 9.8 }, 1e3 * (k % 41 / 40) as f64];
+    let sample = |k: usize| {
+        [0.1 * (k % 7) as f64, if k.is_multiple_of(53) { f64::NAN } else { 9.8 }, 1e3 * (k % 41 / 40) as f64]
+    };
     let samples: Vec<[f64; 3]> = (0..1001).map(sample).collect();
     let record = Record::new(&command, &samples, 0.25, 1e-3).unwrap();
     let (joint, first) = (JointFilter::new(estimator, 5.0).unwrap(), FirstOrder { estimator });

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyFloat, PyInt, PyTuple};
 use stillrate::models::SingerCoefficients;
 use stillrate_lab::runner::{self, Precision, Runner, Sink, Source, Timing, Trace};
 
@@ -131,7 +131,7 @@ impl Filter {
         dt_s: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         if self.channels == 1 && others.is_empty() {
-            let mut sample = [value.extract::<f64>()?];
+            let mut sample = [number_from(value)?];
             self.lock().update(&mut sample, dt_s);
             return Ok(sample[0].into_pyobject(py)?.into_any());
         }
@@ -139,7 +139,10 @@ impl Filter {
         let mut short = [0.0; 16];
         let mut long = Vec::new();
         let row = if others.is_empty() {
-            long = value.extract::<Vec<f64>>().map_err(|_| self.count_error(1))?;
+            let row = value.try_iter().map_err(|_| self.count_error(1))?;
+            for item in row {
+                long.push(number_from(&item?)?);
+            }
             long.as_mut_slice()
         } else {
             let count = 1 + others.len();
@@ -149,9 +152,9 @@ impl Filter {
                 long.resize(count, 0.0);
                 long.as_mut_slice()
             };
-            row[0] = value.extract()?;
+            row[0] = number_from(value)?;
             for (slot, other) in row[1..].iter_mut().zip(others) {
-                *slot = other.extract()?;
+                *slot = number_from(&other)?;
             }
             row
         };
@@ -171,7 +174,8 @@ impl Filter {
         trace: bool,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let samples = samples_from(samples)?;
+        let given = samples;
+        let samples = samples_from(given)?;
         let shape = match &samples {
             Samples::Single(array) => array.shape().to_vec(),
             Samples::Double(array) => array.shape().to_vec(),
@@ -209,8 +213,9 @@ impl Filter {
         }
         macro_rules! filtered {
             ($type:ident, $variant:ident) => {{
+                let fresh = out.is_none();
                 let output = match out {
-                    Some(given) => given
+                    Some(out) => out
                         .cast::<PyArrayDyn<$type>>()
                         .map_err(|_| PyTypeError::new_err(concat!("out must be an array of ", stringify!($type))))?
                         .clone(),
@@ -226,7 +231,7 @@ impl Filter {
                     let slice = writable.as_slice_mut().map_err(|_| PyValueError::new_err("out must be contiguous"))?;
                     py.detach(|| self.lock().run(source, timing, Sink::$variant(slice)));
                 }
-                Ok(output.into_any())
+                if fresh { like(given, output.into_any()) } else { Ok(output.into_any()) }
             }};
         }
         if self.dtype == "float32" { filtered!(f32, Single) } else { filtered!(f64, Double) }
@@ -271,7 +276,8 @@ impl Filter {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        Ok((py.get_type::<Self>().getattr("restore")?, (self.save(py),)))
+        // A plain function, so that a pickle names nothing but it.
+        Ok((py.import("stillrate.saving")?.getattr("restore")?, (self.save(py),)))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -286,6 +292,25 @@ impl Filter {
     }
 }
 
+/// One sample; what is masked, `None` or NA is missing.
+fn number_from(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    if let Ok(number) = value.cast::<PyFloat>() {
+        return Ok(number.value());
+    }
+    if value.is_instance_of::<PyInt>() {
+        return value.extract();
+    }
+    value.py().import("stillrate.arrays")?.getattr("as_number")?.call1((value,))?.extract()
+}
+
+/// The result in the container of the samples: a series for a series, an array for an array.
+fn like<'py>(given: &Bound<'py, PyAny>, result: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    if given.get_type().name().is_ok_and(|name| name == "ndarray") {
+        return Ok(result);
+    }
+    given.py().import("stillrate.arrays")?.getattr("like")?.call1((given, result))
+}
+
 /// Time steps of all samples: one number for all, or one a sample.
 fn steps_from(dt: &Bound<'_, PyAny>, rows: usize) -> PyResult<Vec<f64>> {
     if let Ok(one) = dt.extract::<f64>() {
@@ -293,7 +318,10 @@ fn steps_from(dt: &Bound<'_, PyAny>, rows: usize) -> PyResult<Vec<f64>> {
     }
     let steps: Vec<f64> = match dt.extract::<PyReadonlyArray1<'_, f64>>() {
         Ok(array) => array.as_array().iter().copied().collect(),
-        Err(_) => dt.extract().map_err(|_| PyTypeError::new_err("dt_s must be a number or one number a sample"))?,
+        Err(_) => {
+            let column = dt.py().import("stillrate.arrays")?.getattr("as_column")?.call1((dt,))?;
+            column.extract().map_err(|_| PyTypeError::new_err("dt_s must be a number or one number a sample"))?
+        }
     };
     if steps.len() == rows {
         Ok(steps)

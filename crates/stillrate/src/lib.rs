@@ -28,6 +28,7 @@ pub mod filter;
 pub mod filters;
 pub mod gaussian;
 pub mod gimbal;
+mod glide;
 mod imm;
 mod kalman;
 pub mod models;

@@ -105,6 +105,8 @@ pub trait Real:
     fn exponential(self) -> Self;
     /// e^x for x <= 0, fast, for weights; see [`elementary`](crate::elementary).
     fn decay(self) -> Self;
+    /// 2^x, fast and limited to what weights need; see [`elementary`](crate::elementary).
+    fn doubling(self) -> Self;
     /// e^x - 1, accurate near zero.
     fn exponential_less_one(self) -> Self;
     /// Natural logarithm.
@@ -156,6 +158,10 @@ macro_rules! real {
             #[inline(always)]
             fn decay(self) -> Self {
                 elementary::$module::decay(self)
+            }
+            #[inline(always)]
+            fn doubling(self) -> Self {
+                elementary::$module::doubling(self)
             }
             #[inline(always)]
             fn exponential_less_one(self) -> Self {

@@ -263,3 +263,24 @@ fn roots_are_correctly_rounded() {
         }
     }
 }
+
+#[test]
+fn doublings_are_within_two_units_and_exact_at_whole_numbers() {
+    for k in 0..400_000 {
+        let x = -600.0 + 0.003 * f64::from(k) + 1e-4 * f64::from(k % 7);
+        if x <= 600.0 {
+            let (ours, theirs) = (double::doubling(x), libm::exp2(x));
+            assert!((ours - theirs).abs() <= 2.0 * f64::EPSILON * theirs, "{x}: {ours:e} {theirs:e}");
+        }
+        let x = -60.0 + 0.0003 * k as f32;
+        let (ours, theirs) = (f64::from(single::doubling(x)), libm::exp2(f64::from(x)));
+        assert!((ours - theirs).abs() <= 2.0 * f64::from(f32::EPSILON) * theirs, "{x}: {ours:e} {theirs:e}");
+    }
+    for k in -600..=600 {
+        assert_eq!(double::doubling(f64::from(k)), libm::scalbn(1.0, k));
+    }
+    assert_eq!(double::doubling(f64::NEG_INFINITY), libm::scalbn(1.0, -600));
+    assert_eq!(double::doubling(f64::INFINITY), libm::scalbn(1.0, 600));
+    assert_eq!(double::doubling(f64::NAN), libm::scalbn(1.0, -600));
+    assert_eq!(single::doubling(f32::NAN), single::doubling(-60.0));
+}

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from stillrate import _native
 from stillrate.gimbal.head import NAMES, Floats, Head, rows, shown
+from stillrate.results import brief
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class History:
     time_s: Floats
     coefficients: Floats
     standard_deviation: Floats
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,8 @@ class Calibration:
     hidden: dict[str, tuple[float, float, float]]
     weakest: tuple[tuple[float, str], ...]
     details: dict[str, Any]
+
+    __repr__ = brief
 
     def __getitem__(self, name: str) -> float:
         """Return a coefficient by its name."""

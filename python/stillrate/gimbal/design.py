@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from stillrate import _native
 from stillrate.gimbal.head import NAMES, Floats, Head, rows
+from stillrate.results import brief
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,8 @@ class Bound:
     kappa: float
     weakest: tuple[tuple[float, str], ...]
     unobservable: tuple[str, ...]
+
+    __repr__ = brief
 
 
 def bound(
@@ -123,6 +126,8 @@ class Plan:
     segments_deg_s: Floats
     before: dict[str, float]
     after: dict[str, float]
+
+    __repr__ = brief
 
 
 def plan(

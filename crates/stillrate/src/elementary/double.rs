@@ -15,6 +15,7 @@ impl Format for f64 {
     const LN_2_LOW: Self = 5.4979230187083712e-14;
     const EXPONENTIAL_LOW: Self = -746.0;
     const DECAY_LOW: Self = -700.0;
+    const DOUBLING_LIMIT: Self = 600.0;
     const EXPONENTIAL_HIGH: Self = 710.0;
     const NEGLIGIBLE: Self = 44.0;
 
@@ -31,6 +32,22 @@ impl Format for f64 {
         2.5046898773047786e-8,
         2.0916355998861447e-9,
         1.7544187127620845e-10,
+    ];
+    const DOUBLING: &'static [Self] = &[
+        1.0,
+        core::f64::consts::LN_2,
+        0.24022650695910072,
+        0.05550410866482158,
+        0.009618129107628477,
+        0.0013333558146428443,
+        0.0001540353039338161,
+        1.5252733804059841e-05,
+        1.321548679014431e-06,
+        1.01780860092397e-07,
+        7.054911620801123e-09,
+        4.4455382718708116e-10,
+        2.5678435993488206e-11,
+        1.3691488853904128e-12,
     ];
     const LOGARITHM: &'static [Self] = &[
         0.66666666666666696,
@@ -139,6 +156,16 @@ pub fn exponential(x: f64) -> f64 {
 #[inline(always)]
 pub fn decay(x: f64) -> f64 {
     exponentials::decay(x)
+}
+
+/// 2^x for x within +-600, limited to that beyond: for weights. Error below 2 units; NaN reads as the smallest weight.
+///
+/// ```
+/// assert_eq!(stillrate::elementary::double::doubling(-3.0), 0.125);
+/// ```
+#[inline(always)]
+pub fn doubling(x: f64) -> f64 {
+    exponentials::doubling(x)
 }
 
 /// e^x - 1, accurate near zero.

@@ -47,6 +47,32 @@ pub(super) fn decay<T: Format>(x: T) -> T {
     (T::ONE + (r + square * sum)) * T::power_of_two(shifted)
 }
 
+/// 2^x for weights: limited to where the result and its products stay normal numbers; NaN reads as the smallest weight.
+///
+/// The base spares the reduction by ln 2, and the polynomial is summed by Estrin's scheme: half the latency of [`decay`].
+#[inline(always)]
+pub(super) fn doubling<T: Format>(x: T) -> T {
+    let x = x.most(-T::DOUBLING_LIMIT).least(T::DOUBLING_LIMIT);
+    let shifted = x + T::SHIFT;
+    let r = x - (shifted - T::SHIFT);
+    let square = r * r;
+    let fourth = square * square;
+    let four = |c: &[T]| match *c {
+        [a, b, c, d, ..] => (a + b * r) + (c + d * r) * square,
+        [a, b, ..] => a + b * r,
+        _ => T::ZERO,
+    };
+    let eight = |c: &[T]| match c.split_at_checked(4) {
+        Some((low, high)) if !high.is_empty() => four(low) + four(high) * fourth,
+        _ => four(c),
+    };
+    let sum = match T::DOUBLING.split_at_checked(8) {
+        Some((low, high)) if !high.is_empty() => eight(low) + eight(high) * (fourth * fourth),
+        _ => eight(T::DOUBLING),
+    };
+    sum * T::power_of_two(shifted)
+}
+
 /// e^x - 1 as a sum of two numbers, the first the rounded value and the second what it lacks; for x >= -[`Format::NEGLIGIBLE`].
 #[inline(always)]
 fn less_one_in_two<T: Format>(x: T) -> (T, T) {

@@ -25,6 +25,8 @@ pub(super) trait Format: Real {
     const EXPONENTIAL_LOW: Self;
     /// Below it 2^k alone would leave the normal numbers.
     const DECAY_LOW: Self;
+    /// Magnitude to which the argument of 2^x is limited where it weighs probabilities.
+    const DOUBLING_LIMIT: Self;
     /// Above it e^x is infinite.
     const EXPONENTIAL_HIGH: Self;
     /// From here downwards e^x - 1 is -1, and upwards of its magnitude tanh is 1.
@@ -32,6 +34,8 @@ pub(super) trait Format: Real {
 
     /// (e^x - 1 - x) / x^2 for |x| <= ln(2)/2.
     const EXPONENTIAL: &'static [Self];
+    /// 2^x for |x| <= 1/2.
+    const DOUBLING: &'static [Self];
     /// (2 artanh s - 2 s) / s^3 in s^2, for s <= 3 - 2 sqrt 2.
     const LOGARITHM: &'static [Self];
     /// (sin(x)/x - 1) / x^2 in x^2, for |x| <= pi/4.

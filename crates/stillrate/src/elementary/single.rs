@@ -15,10 +15,13 @@ impl Format for f32 {
     const LN_2_LOW: Self = 1.42860677e-6;
     const EXPONENTIAL_LOW: Self = -104.0;
     const DECAY_LOW: Self = -86.0;
+    const DOUBLING_LIMIT: Self = 60.0;
     const EXPONENTIAL_HIGH: Self = 89.0;
     const NEGLIGIBLE: Self = 20.0;
 
     const EXPONENTIAL: &'static [Self] = &[0.5, 0.166666672, 0.0416665114, 0.0083331801, 0.00139305019, 0.000199696733];
+    const DOUBLING: &'static [Self] =
+        &[1.0, core::f32::consts::LN_2, 0.2402265, 0.05550411, 0.009618129, 0.0013333558, 0.0001540353, 1.5252734e-05];
     const LOGARITHM: &'static [Self] = &[0.666666687, 0.399995506, 0.28589651, 0.22576578];
     const SINE: &'static [Self] = &[-0.166666672, 0.0083333971, -0.000198612935, 2.92174195e-6];
     const COSINE: &'static [Self] = &[0.0416666679, -0.00138890487, 2.48527685e-5, -3.21310296e-7];
@@ -86,6 +89,16 @@ pub fn exponential(x: f32) -> f32 {
 #[inline(always)]
 pub fn decay(x: f32) -> f32 {
     exponentials::decay(x)
+}
+
+/// 2^x for x within +-60, limited to that beyond: for weights. Error below 2 units; NaN reads as the smallest weight.
+///
+/// ```
+/// assert_eq!(stillrate::elementary::single::doubling(-3.0), 0.125);
+/// ```
+#[inline(always)]
+pub fn doubling(x: f32) -> f32 {
+    exponentials::doubling(x)
 }
 
 /// e^x - 1, accurate near zero.

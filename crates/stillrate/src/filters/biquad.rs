@@ -8,10 +8,12 @@
 
 use crate::error::{ConfigError, between, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::glide::{self, Glide};
 use crate::noise::{GyroNoise, RANGE};
 use crate::plain;
 use crate::real::Real;
 use crate::reals;
+use crate::reals::Lane;
 use crate::settings::{Settings, Visit};
 
 /// Settings of [`Biquad`].
@@ -98,6 +100,15 @@ fn gains<T: Real>(angle: T, damping: T) -> [T; 3] {
     [first, tangent * first, tangent * (tangent * first)]
 }
 
+/// Both integrators over one period: their new values and the output, and beside them the output of the first.
+#[inline(always)]
+fn advance<T: Real>([a1, a2, a3]: [T; 3], state: &BiquadState<T>, value: T) -> ([T; 3], T) {
+    let drive = value - state.level;
+    let band = a1 * state.slope + a2 * drive;
+    let low = state.level + (a2 * state.slope + a3 * drive);
+    ([band + band - state.slope, low + low - state.level, low], band)
+}
+
 impl<T: Real> Biquad<T> {
     /// Low-pass for samples at `sample_rate_hz`; at `cutoff_hz` the gain is `quality`.
     ///
@@ -133,6 +144,11 @@ impl<T: Real> Filter<T> for Biquad<T> {
     }
 
     #[inline(always)]
+    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        glide::tile(self, lanes, tile, dt);
+    }
+
+    #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut BiquadState<T>, sample: Sample<T>, _observer: &mut O) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
         state.started = checked.known(state.started);
@@ -142,13 +158,10 @@ impl<T: Real> Filter<T> for Biquad<T> {
         } else {
             gains(self.half_corner_rad_s * checked.dt, self.damping)
         };
-        let drive = checked.value - state.level;
-        let band = a1 * state.slope + a2 * drive;
-        let low = state.level + (a2 * state.slope + a3 * drive);
-
+        let (moved, band) = advance([a1, a2, a3], state, checked.value);
+        let low = moved[2];
         let sound = state.slope.finite() && state.level.finite() && low.finite() && band.finite();
         let fresh = state.started == T::ZERO || checked.restart || !sound;
-        let moved = [band + band - state.slope, low + low - state.level, low];
         let start = [T::ZERO, checked.value, checked.value];
         let used = checked.present || !sound;
         let choose = |k: usize, held: T| T::select(used, T::select(fresh, start[k], moved[k]).flushed(), held);
@@ -165,5 +178,31 @@ impl<T: Real> Filter<T> for Biquad<T> {
                 .with(Flags::NO_DATA_YET.when(state.started == T::ZERO))
                 .with(Flags::DIVERGED.when(!sound)),
         }
+    }
+}
+
+impl<T: Real> Glide<T> for Biquad<T> {
+    type Wide<const W: usize> = BiquadState<Lane<T, W>>;
+
+    #[inline(always)]
+    fn runs(&self, state: &BiquadState<T>) -> bool {
+        (state.started != T::ZERO) & state.slope.finite() & state.level.finite()
+    }
+    #[inline(always)]
+    fn limit(&self) -> T {
+        self.limit
+    }
+    #[inline(always)]
+    fn glide(&self, state: &mut BiquadState<T>, value: T) -> T {
+        let ([slope, level, output], _) = advance(self.gains, state, value);
+        *state = BiquadState { slope, level, output, started: state.started };
+        output
+    }
+    #[inline(always)]
+    fn margin(&self, state: &BiquadState<T>) -> T {
+        // Both integrators are finite only if every number before was.
+        let sound = state.slope.finite() & state.level.finite();
+        let least = glide::margin(state.slope).least(glide::margin(state.level)).least(glide::margin(state.output));
+        T::select(sound, least, T::ZERO)
     }
 }

@@ -14,10 +14,12 @@ use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::line::LineState;
 use crate::filters::recursive::memory::{Memory, check_memory, factor_of, visit_memory};
 use crate::filters::recursive::paced::Paced;
+use crate::glide::{self, Glide};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::real::Real;
 use crate::reals;
+use crate::reals::Lane;
 use crate::settings::{Settings, Visit, visit_noise};
 
 /// Default memory in seconds: 1.6 Hz at -3 dB, noise down by 16 dB at 200 Hz.
@@ -133,6 +135,31 @@ impl<T: Real> Filter<T> for WeightedMean<T> {
 
     #[inline(always)]
     fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        glide::tile(self, lanes, tile, dt);
+    }
+}
+
+impl<T: Real> Glide<T> for WeightedMean<T> {
+    type Wide<const W: usize> = LevelState<Lane<T, W>>;
+
+    #[inline(always)]
+    fn runs(&self, state: &LevelState<T>) -> bool {
+        state.settled(self.loss)
+    }
+    #[inline(always)]
+    fn limit(&self) -> T {
+        self.limit
+    }
+    #[inline(always)]
+    fn glide(&self, state: &mut LevelState<T>, value: T) -> T {
+        state.glide(value)
+    }
+    #[inline(always)]
+    fn margin(&self, state: &LevelState<T>) -> T {
+        glide::margin(state.level)
+    }
+    #[inline(always)]
+    fn full<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
         self.tile_paced(lanes, tile, dt);
     }
 }

@@ -18,6 +18,7 @@ mod random_walk_kf;
 mod recursive;
 mod sage_husa_kf;
 mod singer_imm_kf;
+mod singer_imm_kf_compact;
 mod singer_kf;
 mod variable_forgetting;
 mod vector_rls;

@@ -5,10 +5,12 @@
 
 use crate::error::{ConfigError, positive};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::glide::{self, Glide};
 use crate::noise::{GyroNoise, RANGE};
 use crate::plain;
 use crate::real::Real;
 use crate::reals;
+use crate::reals::Lane;
 use crate::settings::{Settings, Visit};
 
 /// Settings of [`Pt1`].
@@ -98,6 +100,11 @@ impl<T: Real> Filter<T> for Pt1<T> {
     }
 
     #[inline(always)]
+    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        glide::tile(self, lanes, tile, dt);
+    }
+
+    #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut Pt1State<T>, sample: Sample<T>, _observer: &mut O) -> Estimate<T> {
         let sample_ok = sample.check(self.limit, self.period_s);
         state.started = sample_ok.known(state.started);
@@ -114,5 +121,27 @@ impl<T: Real> Filter<T> for Pt1<T> {
             variance: T::ZERO,
             flags: sample_ok.flags.with(Flags::NO_DATA_YET.when(state.started == T::ZERO)),
         }
+    }
+}
+
+impl<T: Real> Glide<T> for Pt1<T> {
+    type Wide<const W: usize> = Pt1State<Lane<T, W>>;
+
+    #[inline(always)]
+    fn runs(&self, state: &Pt1State<T>) -> bool {
+        state.started != T::ZERO
+    }
+    #[inline(always)]
+    fn limit(&self) -> T {
+        self.limit
+    }
+    #[inline(always)]
+    fn glide(&self, state: &mut Pt1State<T>, value: T) -> T {
+        state.level = state.level + self.gain * (value - state.level);
+        state.level
+    }
+    #[inline(always)]
+    fn margin(&self, state: &Pt1State<T>) -> T {
+        glide::margin(state.level)
     }
 }

@@ -11,9 +11,11 @@ use crate::error::{ConfigError, not_negative, positive};
 use crate::filter::{Estimate, Filter, Observer, Sample};
 use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::paced::Paced;
+use crate::glide::{self, Glide};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::real::Real;
+use crate::reals::Lane;
 use crate::settings::{Settings, Visit, visit_noise};
 
 /// Settings of [`RandomWalkKf`].
@@ -79,6 +81,20 @@ plain! {
     }
 }
 
+impl<T: Real> RandomWalkKf<T> {
+    /// The walk over the weight of all samples so far, q S.
+    #[inline(always)]
+    fn walked(walk: T, state: &LevelState<T>) -> T {
+        // After an endless gap the walk is as good as infinite, but its share of the sum must stay a number.
+        (walk * state.weight).least(T::LARGEST.root())
+    }
+    /// What the walk takes from the weight.
+    #[inline(always)]
+    fn loss(walked: T) -> T {
+        walked / (T::ONE + walked)
+    }
+}
+
 impl<T: Real> Filter<T> for RandomWalkKf<T> {
     type State = LevelState<T>;
 
@@ -97,6 +113,32 @@ impl<T: Real> Filter<T> for RandomWalkKf<T> {
 
     #[inline(always)]
     fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        glide::tile(self, lanes, tile, dt);
+    }
+}
+
+impl<T: Real> Glide<T> for RandomWalkKf<T> {
+    type Wide<const W: usize> = LevelState<Lane<T, W>>;
+
+    #[inline(always)]
+    fn runs(&self, state: &LevelState<T>) -> bool {
+        // One period's walk is q itself: times one is exact.
+        state.settled(Self::loss(Self::walked(self.variance_ratio, state)))
+    }
+    #[inline(always)]
+    fn limit(&self) -> T {
+        self.limit
+    }
+    #[inline(always)]
+    fn glide(&self, state: &mut LevelState<T>, value: T) -> T {
+        state.glide(value)
+    }
+    #[inline(always)]
+    fn margin(&self, state: &LevelState<T>) -> T {
+        glide::margin(state.level)
+    }
+    #[inline(always)]
+    fn full<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
         self.tile_paced(lanes, tile, dt);
     }
 }
@@ -112,10 +154,9 @@ impl<T: Real> Paced<T> for RandomWalkKf<T> {
         let checked = sample.check(self.limit, self.period_s);
         // The walk's variance grows with time.
         let periods = if NOMINAL || checked.dt == self.period_s { T::ONE } else { checked.dt / self.period_s };
-        // After an endless gap the walk is as good as infinite, but its share of the sum below must stay a number.
         let walk = T::select(checked.moves, self.variance_ratio * periods, T::ZERO);
-        let walked = (walk * state.weight).least(T::LARGEST.root());
-        let loss = walked / (T::ONE + walked);
+        let walked = Self::walked(walk, state);
+        let loss = Self::loss(walked);
         let innovation = checked.value - state.level;
         let before = (T::ONE + walked) / state.weight;
         let innovation_variance =

@@ -7,8 +7,8 @@ use crate::block;
 use crate::error::{ConfigError, positive};
 use crate::filter::{Checked, Estimate, Filter, Flags, LONGEST_GAP_S, ModelTrace, Observer, Sample};
 use crate::gaussian::Gaussian2;
-use crate::imm::{interact, mix2, weigh2};
-use crate::kalman::{Reading, predict_singer, update2};
+use crate::imm::{judged, mix2, normalised, prior2, shares};
+use crate::kalman::{Reading, mix_ahead, update2};
 use crate::models::SingerCoefficients;
 use crate::noise::{GyroNoise, RANGE_SIGMAS};
 use crate::plain;
@@ -84,18 +84,19 @@ impl Settings for SingerImmKfSettings {
             let start = positive("initial_acceleration_variance", start, "(deg/s^2)^2")?;
             *model = SingerImmModel {
                 alpha: T::of(alpha),
-                intensity: T::of(intensity),
-                step: SingerCoefficients::new(T::of(alpha), T::of(period)),
+                step: SingerCoefficients::new(T::of(alpha), T::of(period)).driven_by(T::of(intensity)),
                 measurement_variance: T::of(variance),
                 start_variance: [T::of(rate), T::of(start)],
             };
             limit = limit.most(RANGE_SIGMAS * variance.root());
         }
+        let transition = transition_matrix(&self.transition)?;
+        let [start_probability, _] = probability_pair(&self.initial_probability)?;
         Ok(SingerImmKf {
             period_s: T::of(period),
             model,
-            transition: transition_matrix(&self.transition)?,
-            start_probability: probability_pair(&self.initial_probability)?,
+            leave: [transition[0][1], transition[1][0]],
+            start_probability,
             limit: T::of(limit),
         })
     }
@@ -150,9 +151,7 @@ plain! {
     pub struct SingerImmModel<T> {
         /// Reciprocal time constant, 1/s.
         pub alpha: T,
-        /// Density of the driving noise.
-        pub intensity: T,
-        /// Coefficients at the nominal period.
+        /// Coefficients at the nominal period, driving noise included.
         pub step: SingerCoefficients<T>,
         /// Variance of a sample.
         pub measurement_variance: T,
@@ -162,9 +161,14 @@ plain! {
 }
 
 impl<T: Real> SingerImmModel<T> {
+    /// Coefficients of an unusual time step. Seldom needed, so it stays out of the step's own code.
+    #[cfg_attr(not(target_arch = "arm"), inline(never))]
+    pub(super) fn over(&self, dt: T) -> SingerCoefficients<T> {
+        SingerCoefficients::new(self.alpha, dt).driven_by(self.step.intensity())
+    }
+
     const NONE: Self = Self {
         alpha: T::ZERO,
-        intensity: T::ZERO,
         step: SingerCoefficients { r: T::ZERO, s: T::ZERO, q11: T::ZERO, q12: T::ZERO, q22: T::ZERO },
         measurement_variance: T::ONE,
         start_variance: [T::ONE; 2],
@@ -183,7 +187,7 @@ plain! {
     /// for k in 0..500 {
     ///     filter.step(&mut state, Sample { value: if k % 2 == 0 { 0.1 } else { -0.1 }, dt: 0.02 });
     /// }
-    /// assert!(state.probability[0] > 0.5); // at rest
+    /// assert!(state.weight[0] > state.weight[1]); // at rest
     /// # Ok::<(), stillrate::ConfigError>(())
     /// ```
     pub struct SingerImmKf<T> {
@@ -191,10 +195,10 @@ plain! {
         pub period_s: T,
         /// The two models.
         pub model: [SingerImmModel<T>; 2],
-        /// Transition probabilities `[from][to]` a sample.
-        pub transition: [[T; 2]; 2],
-        /// Probabilities before the first sample.
-        pub start_probability: [T; 2],
+        /// Probabilities of leaving each model for the other, a sample.
+        pub leave: [T; 2],
+        /// Probability of the first model before the first sample.
+        pub start_probability: T,
         /// Values beyond this magnitude count as missing.
         pub limit: T,
     }
@@ -205,8 +209,8 @@ reals! {
     pub struct SingerImmKfState {
         /// Rate and acceleration of both models.
         pub model: [Gaussian2<T>; 2],
-        /// Their probabilities.
-        pub probability: [T; 2],
+        /// Their weights: probabilities once divided by their sum.
+        pub weight: [T; 2],
         /// 1 once a sample has been seen.
         pub started: T,
     }
@@ -221,7 +225,7 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
                 mean: [T::ZERO; 2],
                 covariance: [model.start_variance[0], T::ZERO, model.start_variance[1]],
             }),
-            probability: self.start_probability,
+            weight: [self.start_probability, T::ONE - self.start_probability],
             started: T::ZERO,
         }
     }
@@ -232,6 +236,11 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
 
     fn models(&self) -> usize {
         2
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &mut Self::State, sample: Sample<T>) -> Estimate<T> {
+        if cfg!(target_arch = "arm") { self.compact(state, sample) } else { self.observe(state, sample, &mut ()) }
     }
 
     #[inline(always)]
@@ -268,6 +277,8 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
 struct Tempo<T> {
     /// Coefficients of both models.
     step: [SingerCoefficients<T>; 2],
+    /// Transition probabilities `[from][to]`.
+    transition: [[T; 2]; 2],
     /// Whether time moves by a usable step.
     ordinary: bool,
 }
@@ -275,15 +286,18 @@ struct Tempo<T> {
 impl<T: Real> SingerImmKf<T> {
     #[inline(always)]
     fn tempo(&self, dt: T) -> Tempo<T> {
+        let [first, second] = self.leave;
+        let transition = [[T::ONE - first, first], [second, T::ONE - second]];
         if dt == self.period_s {
-            return Tempo { step: [self.model[0].step, self.model[1].step], ordinary: dt <= T::of(LONGEST_GAP_S) };
+            return Tempo {
+                step: [self.model[0].step, self.model[1].step],
+                transition,
+                ordinary: dt <= T::of(LONGEST_GAP_S),
+            };
         }
         let checked = Sample { value: T::ZERO, dt }.check(self.limit, self.period_s);
         let dt = T::select(checked.restart, self.period_s, checked.dt);
-        Tempo {
-            step: self.model.map(|model| SingerCoefficients::new(model.alpha, dt)),
-            ordinary: checked.moves && !checked.restart,
-        }
+        Tempo { transition, step: self.model.map(|model| model.over(dt)), ordinary: checked.moves && !checked.restart }
     }
 
     /// Whether nothing needs care: the filter runs and the sample is usable.
@@ -335,16 +349,15 @@ impl<T: Real> SingerImmKf<T> {
                 covariance: core::array::from_fn(|k| T::select(begins, new.covariance[k], old.covariance[k])),
             }
         });
-        let probability: [T; 2] =
-            core::array::from_fn(|i| T::select(begins, start.probability[i], state.probability[i]));
-        let (prior, weight) = interact(&self.transition, &probability);
+        let weight: [T; 2] = core::array::from_fn(|i| T::select(begins, start.weight[i], state.weight[i]));
+        let share = shares(&tempo.transition, &weight);
+        let prior = prior2(&tempo.transition, &normalised(&weight));
         let mut next = models;
         let (mut exponent, mut factor) = ([T::ZERO; 2], [T::ONE; 2]);
         let mut traces = [ModelTrace::default(); 2];
         for i in 0..2 {
             let model = &self.model[i];
-            let mixed = mix2(weight[i], &models[0], &models[1]);
-            let predicted = predict_singer(&mixed, &tempo.step[i], model.intensity);
+            let predicted = mix_ahead(share[i], &models[0], &models[1], &tempo.step[i]);
             let (updated, evidence) = update2(&predicted, &Reading::plain(checked.value, model.measurement_variance));
             next[i] = Gaussian2 {
                 mean: core::array::from_fn(|k| {
@@ -354,8 +367,9 @@ impl<T: Real> SingerImmKf<T> {
                     T::select(checked.present, updated.covariance[k], predicted.covariance[k])
                 }),
             };
-            exponent[i] = evidence.exponent;
-            factor[i] = evidence.factor;
+            // A missing sample leaves the prior.
+            exponent[i] = T::select(checked.present, evidence.exponent, T::ZERO);
+            factor[i] = T::select(checked.present, evidence.factor, T::ONE);
             traces[i] = ModelTrace {
                 probability: T::ZERO,
                 innovation: T::select(checked.present, evidence.innovation, T::of(f64::NAN)),
@@ -365,7 +379,7 @@ impl<T: Real> SingerImmKf<T> {
                 rate: next[i].mean[0],
             };
         }
-        let posterior = weigh2(&prior, &exponent, &factor, checked.present);
+        let posterior = judged(&prior, &exponent, &factor);
         let runs = checked.moves && (begins || started);
         for i in 0..2 {
             let (new, old) = (&next[i], state.model[i]);
@@ -373,12 +387,14 @@ impl<T: Real> SingerImmKf<T> {
                 mean: core::array::from_fn(|k| T::select(runs, new.mean[k], old.mean[k])),
                 covariance: core::array::from_fn(|k| T::select(runs, new.covariance[k], old.covariance[k])),
             };
-            state.probability[i] = T::select(runs, posterior[i], state.probability[i]).flushed();
-            traces[i].probability = state.probability[i];
-            observer.model(i, traces[i]);
+            state.weight[i] = T::select(runs, posterior[i], state.weight[i]);
+        }
+        let probability = normalised(&state.weight);
+        for i in 0..2 {
+            observer.model(i, ModelTrace { probability: probability[i], ..traces[i] });
         }
         state.started = T::select(begins, T::ONE, state.started);
-        let fused = mix2(state.probability[0], &state.model[0], &state.model[1]);
+        let fused = mix2(probability[0], &state.model[0], &state.model[1]);
         Estimate {
             rate: fused.mean[0],
             acceleration: fused.mean[1],

@@ -267,7 +267,7 @@ impl<T: Real, const N: usize> Relinearised<T, N> {
                 let innovations = self.step(&mut pass, record, reference);
                 observe(number, &pass, &innovations);
             }
-            if !(pass.factor.finite() && pass.deviation.iter().all(|d| d.finite())) {
+            if !(pass.factor.finite() && pass.deviation.iter().chain(&pass.gradient).all(|d| d.finite())) {
                 solution.diverged = true;
                 break;
             }

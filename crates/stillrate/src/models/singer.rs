@@ -11,6 +11,8 @@
 //! cancels, two half steps are composed. All forms are computed and one is selected.
 //! The rounding error of x = alpha T itself is recovered (Dekker's product) because e^-x multiplies it by x.
 
+use core::hint::black_box;
+
 use crate::plain;
 use crate::real::Real;
 
@@ -46,12 +48,28 @@ const TERMS: usize = 24;
 /// The same for `f32`.
 const TERMS_SINGLE: usize = 14;
 
+/// The coefficients of a series, rounded once for each type: small processors would convert them anew in every step.
+struct Series {
+    double: [f64; TERMS],
+    single: [f32; TERMS_SINGLE],
+}
+
 /// (1 - e^-x)/x = sum of (-1)^n / (n + 1)! x^n.
-const GAIN: [f64; TERMS] = series(0);
+static GAIN: Series = in_both(series(0));
 /// (q11/T^3 - 1/3)/x, where q11/T^3 = sum over n >= 3 of (4 (-1)^n - (-2)^n) / (2 n!) x^(n-3).
-const RATE_VARIANCE_REST: [f64; TERMS] = series(1);
+static RATE_VARIANCE_REST: Series = in_both(series(1));
 /// r'/T^2 = sum over n >= 2 of (-1)^(n-1) (n - 1) / n! x^(n-2).
-const GAIN_SLOPE: [f64; TERMS] = series(2);
+static GAIN_SLOPE: Series = in_both(series(2));
+
+const fn in_both(double: [f64; TERMS]) -> Series {
+    let mut single = [0.0; TERMS_SINGLE];
+    let mut n = 0;
+    while n < TERMS_SINGLE {
+        single[n] = double[n] as f32;
+        n += 1;
+    }
+    Series { double, single }
+}
 
 /// The coefficients of one of the three series; numerators and factorials up to 22! are exact in `f64`, beyond it does not matter.
 const fn series(which: usize) -> [f64; TERMS] {
@@ -80,11 +98,21 @@ const fn series(which: usize) -> [f64; TERMS] {
 
 /// Sum of a series at x, by Horner's rule.
 #[inline(always)]
-fn sum<T: Real>(coefficients: &'static [f64; TERMS], x: T) -> T {
-    let terms = if T::BYTES == 4 { TERMS_SINGLE } else { TERMS };
+fn sum<T: Real>(series: &'static Series, x: T) -> T {
     let mut sum = T::ZERO;
-    for &coefficient in coefficients.iter().take(terms).rev() {
-        sum = sum * x + T::of(coefficient);
+    if T::BYTES == 4 && cfg!(target_arch = "arm") {
+        // Stays a loop: unrolled it would be a fifth of the code of a whole filter in a microcontroller.
+        for &coefficient in black_box(&series.single[..]).iter().rev() {
+            sum = sum * x + T::of(f64::from(black_box(coefficient)));
+        }
+    } else if T::BYTES == 4 {
+        for &coefficient in series.single.iter().rev() {
+            sum = sum * x + T::of(f64::from(coefficient));
+        }
+    } else {
+        for &coefficient in series.double.iter().rev() {
+            sum = sum * x + T::of(coefficient);
+        }
     }
     sum
 }
@@ -174,6 +202,20 @@ impl<T: Real> SingerCoefficients<T> {
         let r = T::select(step.near, step.part * gain, far_r);
         let q11 = T::select(step.near || step.doubled, cube * T::select(step.near, variance, composed), far);
         Self { r, s, q11, q12: r * r * T::HALF, q22: r * ((T::ONE + s) * T::HALF) }
+    }
+
+    /// With the process noise of driving noise of spectral density `intensity` instead of 1.
+    #[must_use]
+    #[inline(always)]
+    pub fn driven_by(self, intensity: T) -> Self {
+        Self { q11: intensity * self.q11, q12: intensity * self.q12, q22: intensity * self.q22, ..self }
+    }
+
+    /// The density given to [`SingerCoefficients::driven_by`].
+    #[must_use]
+    #[inline(always)]
+    pub fn intensity(&self) -> T {
+        self.q22 / (self.r * ((T::ONE + self.s) * T::HALF))
     }
 }
 

@@ -47,8 +47,9 @@ impl<T: Real> LevelState<T> {
         let added = T::select(present, T::ONE, T::ZERO);
         let change = added - loss * old + (self.weight_low - loss * self.weight_low);
         let sum = old + change;
-        // Flushed: in the steady state it dies away into denormals, which cost a hundred cycles each.
-        self.weight_low = ((old - sum) + change).flushed();
+        let low = (old - sum) + change;
+        // In the steady state it dies away; what can no longer reach the weight (at least 1) is dropped, so that the pair comes to rest.
+        self.weight_low = T::select(low.magnitude() < T::EPSILON * T::EPSILON, T::ZERO, low);
         // After an endless gap almost nothing is left, but a filter that has seen data never becomes an empty one.
         self.weight = T::select(old > T::ZERO, sum.most(T::TINY), sum);
     }
@@ -57,10 +58,31 @@ impl<T: Real> LevelState<T> {
     #[inline(always)]
     pub(crate) fn correct(&mut self, value: T, present: bool) -> T {
         let gain = T::select(present, T::ONE / self.weight, T::ZERO);
-        self.level = (self.level + gain * (value - self.level)).flushed();
+        self.move_by(gain, value);
+        self.level = self.level.flushed();
+        gain
+    }
+
+    /// [`LevelState::weigh`] and [`LevelState::correct`] where the weight is settled; a level that decays is not flushed. Returns it.
+    #[inline(always)]
+    pub(crate) fn glide(&mut self, value: T) -> T {
+        self.move_by(T::ONE / self.weight, value);
+        self.level
+    }
+
+    #[inline(always)]
+    fn move_by(&mut self, gain: T, value: T) {
+        self.level = self.level + gain * (value - self.level);
         let rest = T::ONE - gain;
         self.noise_gain = rest * rest * self.noise_gain + gain * gain;
-        gain
+    }
+
+    /// Whether a further sample at this loss would leave weight and gain as they are, to the last bit: so it is after 40 to 80 memories.
+    #[inline(always)]
+    pub(crate) fn settled(&self, loss: T) -> bool {
+        let mut next = *self;
+        next.weigh(loss, true);
+        (self.weight > T::ZERO) & (next.weight == self.weight) & (next.weight_low == self.weight_low)
     }
 
     /// Tells an observer what happened, where it listens.
