@@ -285,6 +285,7 @@ def servo_tune(
     budget_percent: float,
     effort: tuple[int, int, int, int],
     seeds: _Seeds,
+    starts: list[tuple[object, list[float]]],
     progress: object | None,
 ) -> dict[str, Any]: ...
 def servo_validate(

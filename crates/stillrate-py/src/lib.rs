@@ -19,6 +19,7 @@ mod observability;
 mod rate_table;
 mod recursive;
 mod servo;
+mod servo_filters;
 mod servo_objects;
 
 /// The compiled half of the Python package.
@@ -35,6 +36,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     drift::register(module)?;
     export::register(module)?;
     servo::register(module)?;
+    servo_filters::register(module)?;
     observability::register(module)?;
     recursive::register(module)?;
     Ok(())
