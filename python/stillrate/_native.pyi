@@ -100,9 +100,12 @@ class _Flight(TypedDict):
     firmware: str
     time_us: npt.NDArray[np.int64]
     names: list[str]
-    columns: list[_Floats]
+    columns: list[npt.NDArray[np.float64 | np.int32 | np.uint32]]
+    damaged_places: int
+    ended: bool
+    full: bool
 
-def read_blackbox(bytes: bytes) -> tuple[list[_Flight], list[str]]: ...
+def read_blackbox(bytes: bytes) -> tuple[_Flight | None, int, list[str]]: ...
 def read_delimited(path: str | Path) -> _Delimited: ...
 def write_delimited(
     path: str | Path,

@@ -54,6 +54,8 @@ class GyroModel:
         Probability that a gap begins at a sample.
     gap_samples : int
         Length of a gap in samples.
+    bias_instability_dps : float
+        Flicker noise B in deg/s; the Allan deviation has its floor at 0.664 B. With it there is no bound.
     """
 
     density_dps_sqrt_hz: float = 0.1068 / math.sqrt(50.0)
@@ -64,6 +66,7 @@ class GyroModel:
     saturation_dps: float = math.inf
     missing_probability: float = 0.0
     gap_samples: int = 1
+    bias_instability_dps: float = 0.0
 
 
 @dataclass(frozen=True, repr=False)

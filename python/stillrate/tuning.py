@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import textwrap
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,7 +49,42 @@ class Tuned:
             "# The figures below are the largest of the axes at rest: too high a density is safer than too low.",
             "",
         ]
-        return "\n".join(lines) + self.config.to_toml()
+        return "\n".join(lines) + _commented(self.config)
+
+
+_GENERAL = {
+    "method": "The filter.",
+    "sample_rate_hz": "Samples a second of the logs that these settings are for, in Hz.",
+    "density_dps_sqrt_hz": "Two-sided density of the white noise (angle random walk), N in (deg/s)/sqrt(Hz).",
+    "rate_random_walk_dps_sqrt_s": "Random walk of the rate, K in (deg/s)/sqrt(s).",
+}
+
+
+def _commented(config: Config) -> str:
+    """Return the settings as TOML, above each what it is: the words of the method's own documentation."""
+    told = {**_documented(type(config)), **_GENERAL}
+    lines: list[str] = []
+    last = None
+    for line in config.to_toml().splitlines():
+        words = told.get(line.split(" = ")[0]) if " = " in line else None
+        if words is not None and words != last:
+            lines += ["", *textwrap.wrap(words, 100, initial_indent="# ", subsequent_indent="# ")]
+        last = words or last
+        if line or words:
+            lines.append(line)
+    return "\n".join(lines).replace("\n[noise]", "\n\n[noise]") + "\n"
+
+
+def _documented(kind: type[Config]) -> dict[str, str]:
+    """Return what the class says of each parameter (numpy style: names, then indented words)."""
+    found: dict[str, str] = {}
+    names: list[str] = []
+    for line in inspect.cleandoc(kind.__doc__ or "").splitlines():
+        if line and not line.startswith(" "):
+            names = [name.strip() for name in line.partition(" : ")[0].split(",")] if " : " in line else []
+        for name in names if line.startswith(" ") else ():
+            found[name] = f"{found.get(name, '')} {line.strip()}".strip().replace("``", "").replace("()", "[]")
+    return found
 
 
 def tune(log: Log, method: str = DEFAULT_METHOD, *, rest: slice | None = None) -> Config:

@@ -44,9 +44,24 @@ fn resolve<'py>(py: Python<'py>, method: &str, settings: &Bound<'py, PyDict>) ->
     settings_to(py, &runner.settings())
 }
 
-/// A filter with its channels.
+/// A filter with its channels: one class for every method.
 ///
-/// A filter of either precision takes `float32` and `float64` samples; its output has its own precision.
+/// Parameters
+/// ----------
+/// config : Config
+///     What to run, such as ``MsImmIkf(...)``; checked when it was built, so that nothing fails here.
+/// channels : int, optional
+///     How many signals side by side, each with a state of its own; default 1.
+/// dtype : {"float64", "float32"}, optional
+///     Number type of the computation and of the output; samples of either type are taken.
+///
+/// Examples
+/// --------
+/// >>> import stillrate as sr
+/// >>> noise = sr.GyroNoise(density_dps_sqrt_hz=0.0151)
+/// >>> flt = sr.Filter(sr.MsImmIkf(sample_rate_hz=50.0, noise=noise))
+/// >>> flt.run([0.1, 0.0, float("nan"), 0.1]).shape
+/// (4,)
 #[pyclass(frozen, module = "stillrate")]
 struct Filter {
     runner: Mutex<Box<dyn Runner>>,
@@ -122,6 +137,19 @@ impl Filter {
         self.lock().models()
     }
 
+    /// Take one sample of each channel and return the filtered one; a step never fails.
+    ///
+    /// Parameters
+    /// ----------
+    /// value, *others : float
+    ///     One number a channel, or one array of them; NaN or infinite is a missing sample: the filter coasts.
+    /// dt_s : float, optional
+    ///     Time since the last sample in s; default one nominal period.
+    ///
+    /// Returns
+    /// -------
+    /// float or tuple of float
+    ///     The filtered rate; with several channels, one each.
     #[pyo3(signature = (value, *others, dt_s=None))]
     fn update<'py>(
         &self,
@@ -165,6 +193,28 @@ impl Filter {
         Ok(PyTuple::new(py, &*row)?.into_any())
     }
 
+    /// Filter an array; the state goes on from the call before, so a record may come in pieces.
+    ///
+    /// Parameters
+    /// ----------
+    /// samples : array_like, shape (n,) or (n, channels)
+    ///     Samples in deg/s (or any unit that the noise has too); NaN, infinite or masked ones are missing.
+    /// dt_s : float or array_like, shape (n,), optional
+    ///     Time since the sample before in s; default one nominal period.
+    /// trace : bool, optional
+    ///     Return a `Trace` with all that is known about every sample.
+    /// out : ndarray, optional
+    ///     Array for the result.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray or Trace
+    ///     As many samples as came in, of the same shape, all finite.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a shape does not fit.
     #[pyo3(signature = (samples, dt_s=None, trace=false, out=None))]
     fn run<'py>(
         &self,
@@ -237,7 +287,7 @@ impl Filter {
         if self.dtype == "float32" { filtered!(f32, Single) } else { filtered!(f64, Double) }
     }
 
-    /// The last estimate of each channel: an `Estimate`, or a tuple of them.
+    /// The last estimate, an `Estimate`; with several channels a tuple of them.
     #[getter]
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let class = py.import("stillrate.results")?.getattr("Estimate")?;
@@ -252,24 +302,24 @@ impl Filter {
         Ok(PyTuple::new(py, (0..self.channels).map(one).collect::<PyResult<Vec<_>>>()?)?.into_any())
     }
 
-    /// Back to the state before the first sample.
+    /// Return to the state before the first sample.
     fn reset(&self) {
         self.lock().reset();
     }
 
-    /// Configuration and state as versioned, checksummed bytes.
+    /// Return configuration and state as versioned, checksummed bytes.
     fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.lock().save())
     }
 
-    /// A filter that continues where the saved one stood.
+    /// Build a filter that continues where the saved one stood; bytes that do not fit are refused.
     #[staticmethod]
     fn restore(py: Python<'_>, blob: &[u8]) -> PyResult<Self> {
         let runner = runner::restore(blob).map_err(|error| config_error(py, &error))?;
         Self::wrap(py, runner, None)
     }
 
-    /// A filter of the same configuration and state that goes its own way.
+    /// Return a filter of the same configuration and state that goes its own way.
     fn copy(&self, py: Python<'_>) -> PyResult<Self> {
         let twin = self.lock().duplicate();
         Self::wrap(py, twin, Some(self.config.clone_ref(py)))

@@ -12,6 +12,7 @@ mod export;
 mod filter;
 mod gimbal;
 mod gimbal_parts;
+mod gimbal_settings;
 mod inspect;
 mod logs;
 mod observability;
