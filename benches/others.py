@@ -254,8 +254,8 @@ def fast_kalman_kalman(f: np.ndarray, q: np.ndarray, r: float, start: np.ndarray
         out = np.empty(len(z))
         for t, value in enumerate(z):
             one.predict()
-            one.correct_scalar(value)
-            out[t] = one.first_value()
+            one.correct([value])
+            out[t] = one.x[0]
         return out
 
     return run
