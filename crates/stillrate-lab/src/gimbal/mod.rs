@@ -1,5 +1,11 @@
 //! Desk-side part of the gimballed sensor head: truth, bounds, batch solution, baselines, trajectory search, studies.
 //!
+//! # How close to the bound
+//! 400 draws of the default run: NEES/n 1.006, error over bound 1.013, median of the largest relative error 0.048 % (drifts of 0.03 to
+//! 0.1 deg/h). The largest of 20 draws is chance: in 16 of 20 studies it stays within 0.13 %, kappa over the mean size of the kgI within
+//! 0.9 %; over its own mean, which random signs bring near zero, in none. With ten times larger drifts the worst of 200 draws is 0.014 %, kappa
+//! 0.104 %, and 0.05 % is reached after 519 s at the latest.
+//!
 //! # What was tried beyond the source
 //! Measured by `stillrate reproduce gimbal` (six draws of 900 s; "own" is error over the method's own deviation, 1 is honest).
 //!
