@@ -1,5 +1,5 @@
 # Everything here works on a fresh machine with Python >= 3.11 (venv) and a Rust toolchain.
-.PHONY: demo test test-rust test-instructions test-python test-long test-proofs test-embedded fuzz bench lint build clean
+.PHONY: demo test test-rust test-instructions test-python test-long test-proofs test-embedded fuzz bench docs test-docs lint build clean
 PY := .venv/bin/python
 STAMP := .venv/.installed
 
@@ -19,10 +19,10 @@ demo: build
 	.venv/bin/stillrate demo
 
 .venv/.test-tools: $(STAMP)
-	. .venv/bin/activate && maturin develop --release --quiet --extras all,test,lint
+	. .venv/bin/activate && maturin develop --release --quiet --extras all,test,lint,docs
 	touch $@
 
-test: test-rust test-instructions test-python
+test: test-rust test-instructions test-python test-docs
 
 test-rust:
 	cargo test --workspace --exclude stillrate-py --quiet
@@ -52,16 +52,25 @@ SECONDS := 60
 fuzz:
 	sh fuzz/run.sh $(SECONDS)
 
+# The site, into site/: every warning is an error, and no page needs the network.
+docs: .venv/.test-tools
+	rm -rf site docs/generated
+	$(PY) -m sphinx -W --keep-going -q -E -d docs/generated/doctrees docs site
+	$(PY) docs/check_site.py site
+
+# The code blocks themselves run in tests/test_docs.py.
+test-docs: docs
+
 bench: $(STAMP)
 	$(PY) -m pip install --quiet -r benches/requirements.txt
-	cd benches && ../$(PY) bench.py
+	cd benches && ../$(PY) bench.py && ../$(PY) accuracy.py && ../$(PY) scaling.py
 
 lint: .venv/.test-tools
 	cargo fmt --check
 	cargo clippy --workspace --all-targets --quiet -- -D warnings
-	.venv/bin/ruff check python tests benches
-	.venv/bin/ruff format --check python tests benches
+	.venv/bin/ruff check python tests benches docs examples
+	.venv/bin/ruff format --check python tests benches docs examples
 	.venv/bin/mypy
 
 clean:
-	rm -rf target .venv dist site
+	rm -rf target .venv dist site docs/generated

@@ -21,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 import others
+import recursions
 import stillrate as sr
 
 HERE = Path(__file__).parent
@@ -77,8 +78,8 @@ class TextbookC:
 
     def __init__(self, folder: Path) -> None:
         library = folder / "kernels.so"
-        source = HERE / "textbook" / "kernels.c"
-        subprocess.run(["gcc", "-O3", "-shared", "-fPIC", "-o", library, source, "-lm"], check=True)
+        sources = [HERE / "textbook" / "kernels.c", HERE / "textbook" / "any_size.c"]
+        subprocess.run(["gcc", "-O3", "-shared", "-fPIC", "-o", library, *sources, "-lm"], check=True)
         self.library = ctypes.CDLL(str(library))
         self.models = [singer_matrices(0), singer_matrices(1)]
 
@@ -88,6 +89,16 @@ class TextbookC:
         f = np.array([model[0] for model in self.models])
         q = np.array([model[1] for model in self.models])
         self._call(self.library.imm, z, out, f, q, np.array([VARIANCE, VARIANCE]), TRANSITION, start, EVEN)
+        return out
+
+    def imm_of_any_size(self, z: np.ndarray) -> np.ndarray:
+        out = np.empty_like(z)
+        start = np.array([np.diag([VARIANCE, START_ACCELERATION[0]]), np.diag([VARIANCE, START_ACCELERATION[1]])])
+        f = np.array([model[0] for model in self.models])
+        q = np.array([model[1] for model in self.models])
+        arrays = (z, out, f, q, np.array([VARIANCE, VARIANCE]), TRANSITION, start, EVEN)
+        at = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
+        self.library.imm_of_any_size(ctypes.c_int(2), ctypes.c_int(2), ctypes.c_long(len(z)), *at)
         return out
 
     def kalman(self, z: np.ndarray) -> np.ndarray:
@@ -114,7 +125,9 @@ class Table:
     def add(self, name: str, call: Callable[[], object], samples: int) -> None:
         self.cases[name] = (call, samples)
 
-    def add_checked(self, name: str, call: Callable[[], np.ndarray], expected: np.ndarray) -> None:
+    def add_checked(
+        self, name: str, call: Callable[[], np.ndarray], expected: np.ndarray, agreement: float = AGREEMENT
+    ) -> None:
         """Adds a case whose output must agree with the expected one; records why if it cannot."""
         try:
             found = np.asarray(call(), dtype=float)
@@ -122,7 +135,7 @@ class Table:
             self.missing[name] = f"{type(problem).__name__}: {problem}"[:160]
             return
         off = float(np.max(np.abs(found.ravel() - expected.ravel()))) if found.size == expected.size else math.inf
-        if off > AGREEMENT * max(1.0, float(np.max(np.abs(expected)))):
+        if off > agreement * max(1.0, float(np.max(np.abs(expected)))):
             self.missing[name] = f"outputs differ by {off:.2g}"
             return
         self.add(name, call, expected.size)
@@ -151,9 +164,12 @@ def imm_table(c: TextbookC, table: Table) -> None:
     expected, expected_short = ours(z), ours(short)
     models = [singer_matrices(0), singer_matrices(1)]
     table.add_checked("IMM: textbook C, gcc -O3", lambda: c.imm(z), expected)
+    table.add_checked("IMM: textbook C, sizes as arguments", lambda: c.imm_of_any_size(z), expected)
     table.add_checked("IMM: stillrate, 1 channel f64", lambda: ours(z), expected)
     numba = others.numba_imm(models, VARIANCE, TRANSITION, EVEN, START_ACCELERATION)
     table.add_checked("IMM: numba", lambda: numba(z), expected)
+    general = others.numba_imm_of_any_size(models, VARIANCE, TRANSITION, EVEN, START_ACCELERATION)
+    table.add_checked("IMM: numba, sizes as arguments", lambda: general(z), expected)
     filterpy = others.filterpy_imm(models, VARIANCE, TRANSITION, EVEN, START_ACCELERATION)
     table.add_checked("IMM: filterpy", lambda: filterpy(short), expected_short)
     bank = sr.MsImmIkf(sample_rate_hz=RATE_HZ, noise=noise())
@@ -187,11 +203,15 @@ def single_table(c: TextbookC, table: Table) -> None:
 def lowpass_table(table: Table) -> None:
     for channels in (1, 8):
         z = signal(100_000, channels)
-        for name, config, other in others.lowpasses(RATE_HZ, noise()):
+        for name, config, theirs, agreement in recursions.twins(RATE_HZ, noise()):
             ours = run_of(config, channels)
             label = f"{channels} channel{'s' * (channels > 1)}"
-            table.add_checked(f"{name} {label}: stillrate", lambda run=ours, z=z: run(z), ours(z))
-            table.add_checked(f"{name} {label}: {other[0]}", lambda other=other, z=z: other[1](z), ours(z))
+            table.add(f"{name} {label}: stillrate", lambda run=ours, z=z: run(z), z.size)
+            for other, call in theirs.items():
+                if other in recursions.SLOW and channels > 1:
+                    continue
+                part = z[:2_000] if other in recursions.SLOW else z
+                table.add_checked(f"{name} {label}: {other}", lambda c=call, z=part: c(z), ours(part), agreement)
 
 
 def streaming_table(table: Table) -> None:

@@ -6,9 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import stillrate as sr
 
-PACKAGES = ["numba", "filterpy", "stonesoup", "simdkalman", "pykalman", "scipy", "vqf", "imufusion", "AllanTools"]
+PACKAGES = [
+    *("numba", "filterpy", "stonesoup", "simdkalman", "pykalman", "kalbee", "fast-kalman", "scipy", "pandas"),
+    *("padasip", "vqf", "imufusion", "AllanTools"),
+]
 Filter = Callable[[np.ndarray], np.ndarray]
 Matrices = Sequence[tuple[np.ndarray, np.ndarray]]
 H = np.array([[1.0, 0.0]])
@@ -64,6 +66,69 @@ def numba_imm(models: Matrices, r: float, pi: np.ndarray, mu0: np.ndarray, start
         return out
 
     return lambda z: run(z, fs, qs, r, pi, mu0, np.array(start))
+
+
+def numba_imm_of_any_size(
+    models: Matrices, r: float, pi: np.ndarray, mu0: np.ndarray, start: Sequence[float]
+) -> Filter:
+    """Matrix products as one writes them with numpy, compiled."""
+    import numba
+
+    fs, qs = np.array([m[0] for m in models]), np.array([m[1] for m in models])
+    covariances = np.array([np.diag([r, variance]) for variance in start])
+
+    @numba.njit
+    def run(z, fs, qs, r, pi, mu0, covariances):
+        m, n = fs.shape[0], fs.shape[1]
+        x, p, mu = np.zeros((m, n)), covariances.copy(), mu0.copy()
+        x[:, 0] = z[0]
+        x0, p0 = np.zeros((m, n)), np.zeros((m, n, n))
+        a, b, k, weight, c = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n), np.zeros(m), np.zeros(m)
+        out = np.empty(len(z))
+        for t in range(len(z)):
+            for j in range(m):
+                c[j] = 0.0
+                for i in range(m):
+                    c[j] += pi[i, j] * mu[i]
+            for j in range(m):
+                x0[j], p0[j] = 0.0, 0.0
+                for i in range(m):
+                    for u in range(n):
+                        x0[j, u] += pi[i, j] * mu[i] / c[j] * x[i, u]
+                for i in range(m):
+                    for u in range(n):
+                        for v in range(n):
+                            spread = (x[i, u] - x0[j, u]) * (x[i, v] - x0[j, v])
+                            p0[j, u, v] += pi[i, j] * mu[i] / c[j] * (p[i, u, v] + spread)
+            for j in range(m):
+                for u in range(n):
+                    x[j, u] = 0.0
+                    for v in range(n):
+                        x[j, u] += fs[j, u, v] * x0[j, v]
+                        a[u, v] = 0.0
+                        for w in range(n):
+                            a[u, v] += fs[j, u, w] * p0[j, w, v]
+                for u in range(n):
+                    for v in range(n):
+                        b[u, v] = qs[j, u, v]
+                        for w in range(n):
+                            b[u, v] += a[u, w] * fs[j, v, w]
+                s, nu = b[0, 0] + r, z[t] - x[j, 0]
+                for u in range(n):
+                    k[u] = b[u, 0] / s
+                    x[j, u] += k[u] * nu
+                for u in range(n):
+                    for v in range(n):
+                        p[j, u, v] = b[u, v] - k[u] * b[0, v]
+                weight[j] = c[j] * math.exp(-0.5 * nu * nu / s) / math.sqrt(2 * math.pi * s)
+            total = weight.sum()
+            out[t] = 0.0
+            for j in range(m):
+                mu[j] = weight[j] / total
+                out[t] += mu[j] * x[j, 0]
+        return out
+
+    return lambda z: run(z, fs, qs, r, pi, mu0, covariances)
 
 
 def filterpy_imm(models: Matrices, r: float, pi: np.ndarray, mu0: np.ndarray, start: Sequence[float]) -> Filter:
@@ -165,27 +230,65 @@ def pykalman_kalman(f: np.ndarray, q: np.ndarray, r: float, start: np.ndarray) -
     return run
 
 
+def kalbee_kalman(f: np.ndarray, q: np.ndarray, r: float, start: np.ndarray) -> Filter:
+    from kalbee import KalmanFilter
+
+    def run(z: np.ndarray) -> np.ndarray:
+        one = KalmanFilter(np.array([z[0], 0.0]), start.copy(), f, q, H, np.array([[r]]))
+        out = np.empty(len(z))
+        for t, value in enumerate(z):
+            one.predict()
+            one.update(np.array([value]))
+            out[t] = np.ravel(one.x)[0]
+        return out
+
+    return run
+
+
+def fast_kalman_kalman(f: np.ndarray, q: np.ndarray, r: float, start: np.ndarray) -> Filter:
+    import kalman
+
+    def run(z: np.ndarray) -> np.ndarray:
+        first, (p, transition, noise, h) = [z[0], 0.0], (m.ravel().tolist() for m in (start, f, q, H))
+        one = kalman.LinearKalmanFilter(2, 1, x=first, P=p, F=transition, Q=noise, H=h, R=[r])
+        out = np.empty(len(z))
+        for t, value in enumerate(z):
+            one.predict()
+            one.correct([value])
+            out[t] = one.x[0]
+        return out
+
+    return run
+
+
+def kfilter_kalman(f: np.ndarray, q: np.ndarray, r: float, start: np.ndarray) -> Filter:
+    """The Rust crate, compiled beside the benches."""
+    import ctypes
+    import subprocess
+    from pathlib import Path
+
+    folder = Path(__file__).parent / "kfilter"
+    subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=folder, check=True)
+    library = ctypes.CDLL(str(folder / "target" / "release" / "libkfilter_peer.so"))
+
+    def run(z: np.ndarray) -> np.ndarray:
+        out = np.empty_like(z)
+        at = [ctypes.c_void_p(array.ctypes.data) for array in (z, out, f, q)]
+        library.kalman(ctypes.c_size_t(len(z)), *at, ctypes.c_double(r), ctypes.c_void_p(start.ctypes.data))
+        return out
+
+    return run
+
+
 KALMAN: dict[str, Callable[[np.ndarray, np.ndarray, float, np.ndarray], Filter]] = {
     "filterpy": filterpy_kalman,
     "Stone Soup": stonesoup_kalman,
     "simdkalman": simdkalman_kalman,
     "pykalman": pykalman_kalman,
+    "kalbee": kalbee_kalman,
+    "fast-kalman": fast_kalman_kalman,
+    "kfilter (Rust)": kfilter_kalman,
 }
-
-
-def lowpasses(rate_hz: float, noise: sr.GyroNoise) -> list[tuple[str, sr.Config, tuple[str, Filter]]]:
-    """Recursive filters with a twin elsewhere: (name, our configuration, (their name, their call))."""
-    from scipy.signal import lfilter
-
-    pt1 = sr.Pt1(sample_rate_hz=rate_hz, noise=noise, cutoff_hz=20.0)
-    impulse = sr.Filter(pt1).run(np.r_[0.0, 1.0, np.zeros(2)])
-    gain = float(impulse[1])
-
-    def scipy_pt1(z: np.ndarray) -> np.ndarray:
-        start = np.atleast_2d((1.0 - gain) * z[0])
-        return lfilter([gain], [1.0, gain - 1.0], z, axis=0, zi=start)[0]
-
-    return [("PT1", pt1, ("scipy lfilter", scipy_pt1))]
 
 
 def streaming(period_s: float) -> dict[str, Callable[[float], object]]:

@@ -26,7 +26,9 @@ def update() -> None:
     readme.write_text(text)
     with tempfile.TemporaryDirectory() as folder:
         main(["demo", "-o", folder])
-        shutil.copy(Path(folder) / "before-after.png", ROOT / "docs/images/before-after.png")
+        shutil.copy(
+            Path(folder) / "before-after.png", ROOT / "docs/images/before-after.png"
+        )
 
 
 if __name__ == "__main__":

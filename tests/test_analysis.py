@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import stillrate as sr
 from stillrate import metrics, simulate
+from stillrate.cli import main
 
 
 def test_a_bed_is_the_sum_of_its_parts_and_repeats():
@@ -65,3 +68,15 @@ def test_lag_is_positive_when_late():
     slow = sr.Filter(sr.Pt1(sample_rate_hz=200.0, cutoff_hz=20.0)).run(run.measured_dps)
     # A first-order lag at 20 Hz delays slow motion by 1/(2 pi 20) = 8 ms, half a sample less.
     assert 4.0 < metrics.lag_ms(slow[run.scored], run.truth_dps[run.scored], 200.0) < 9.0
+
+
+def test_what_was_simulated_is_found_again_by_allan(tmp_path):
+    made = {"density": 0.015, "bias-instability": 0.01, "rate-random-walk": 0.0012}
+    options = [word for name, value in made.items() for word in (f"--{name}", str(value))]
+    log, figures = str(tmp_path / "still.npz"), tmp_path / "allan.json"
+    assert main(["simulate", "static", "-o", log, "--rate", "20", "--duration", "36000", "--seed", "5", *options]) == 0
+    assert main(["allan", log, "--json", str(figures)]) == 0
+    (found,) = json.loads(figures.read_text())["channels"].values()
+    names = ("angle_random_walk", "bias_instability", "rate_random_walk")
+    for name, truth, tolerance in zip(names, made.values(), (0.05, 0.2, 0.2), strict=True):
+        assert found[name]["value"] == pytest.approx(truth, rel=tolerance), name

@@ -69,8 +69,7 @@ def test_finds_the_truth_within_its_own_deviations(run: dict[str, np.ndarray]) -
     found = sr.gimbal.calibrate(run["command"], run["samples"], 0.25)
     free = found.standard_deviation > 0
     ratio = (found.coefficients - run["truth"][:33])[free] / found.standard_deviation[free]
-    # Attitude deviations belong to the end of the run, attitudes to its start.
-    assert abs(ratio[3:]).max() < 4.5
+    assert abs(ratio).max() < 4.5
     assert not found.tests["alarm"]
     assert found.details["sigma_m_s2"] == pytest.approx(1e-6, rel=0.03)
     assert set(found.flags) == {"thp_x", "tho_x", "tho_y"}
@@ -111,13 +110,14 @@ def test_an_unmodelled_latency_is_noticed_and_named(run: dict[str, np.ndarray]) 
     assert "residuals" not in knowing.flags
 
 
-def test_single_precision_square_root_stays_close(run: dict[str, np.ndarray]) -> None:
+@pytest.mark.parametrize(("method", "limit"), [("on-line", 1e-4), ("relinearised", 1e-6), ("two-stage", 1e-5)])
+def test_single_precision_square_root_stays_close(run: dict[str, np.ndarray], method: str, limit: float) -> None:
     double, single = (
-        sr.gimbal.calibrate(run["command"], run["samples"], 0.25, "on-line", sigma_m_s2=1e-6, single=single)
+        sr.gimbal.calibrate(run["command"], run["samples"], 0.25, method, sigma_m_s2=1e-6, single=single, bounds=False)
         for single in (False, True)
     )
     scale = np.array(json.loads((FILES / "expected.json").read_text())["scale"])
-    assert (abs(single.coefficients - double.coefficients) / scale)[PARAMETERS].max() < 1e-4
+    assert (abs(single.coefficients - double.coefficients) / scale)[PARAMETERS].max() < limit
 
 
 def test_gauges_describe_the_same_head(run: dict[str, np.ndarray]) -> None:
@@ -192,3 +192,34 @@ def test_the_study_meets_its_figures() -> None:
     assert of["(4) 100x noise", "recursive Gauss-Newton"].other <= 5.5
     assert of["(1) zero", "on-line, second order"].other <= 0.12
     assert of["(1) zero", "first-order single loop"].other >= 40 * best.other
+    assert best.kappa_max <= 0.9
+    assert large.kappa_max <= 0.1
+
+
+def test_without_bounds_the_coefficients_are_the_same(run: dict[str, np.ndarray]) -> None:
+    part = (run["command"][:400], run["samples"][:2001], 0.25, "on-line")
+    full, quick = (sr.gimbal.calibrate(*part, sigma_m_s2=1e-6, bounds=bounds) for bounds in (True, False))
+    np.testing.assert_array_equal(full.coefficients, quick.coefficients)
+    assert np.isfinite(full.bound).sum() == 30
+    assert np.isnan(quick.bound).all()
+    assert not quick.weakest
+
+
+@pytest.mark.long
+def test_disturbances_are_noticed_or_estimated_or_named() -> None:
+    from stillrate.reproduce.gimbal_disturbances import remarks, study
+
+    rows = {(row.disturbance, row.method, row.handling): row for row in study(6, seed=7001)}
+    nominal = rows["none", "relinearised", ""]
+    assert rows["0.5 % spikes, 2 % lost", "relinearised", "robust lines"].other <= 1.3 * nominal.other
+    for row in rows.values():
+        if row.handling == "nothing" and row.disturbance not in ("ARW 1e-05 deg/sqrt(h)", "gravity 1e-6 g"):
+            assert row.noticed == row.draws, row
+        if row.handling.endswith(("state", "states")):
+            assert row.noticed == 0, row
+            assert row.other <= 3 * nominal.other, row
+        if row.handling == "process noise":
+            # The on-line filter inflates its noise by design and may be too modest, never too sure.
+            assert row.own <= 1.25, row
+            assert row.method == "on-line" or row.own >= 0.75, row
+    assert any(text.startswith("not noticed") and "gravity" in text for text in remarks(list(rows.values())))

@@ -154,6 +154,11 @@ def test_a_small_search_stays_within_its_budget() -> None:
     found = pf.tune(pt1, 0.2, progress=seen.append, **effort)  # type: ignore[arg-type]
     assert seen == [8, 16, 24] and found.feasible
     assert found == pf.tune(pt1, 0.2, **effort)  # type: ignore[arg-type]
+    # A search that begins with an earlier design cannot end behind it.
+    warm = pf.tune(pt1, 0.2, starts=[(found.controller, found.parameters)], **{**effort, "generations": 0})  # type: ignore[arg-type]
+    assert warm.feasible and warm.objective_deg <= found.objective_deg * (1.0 + 1e-9)
+    with pytest.raises(sr.ConfigError, match="starts"):
+        pf.tune(pt1, 0.2, starts=[(found.controller, ())], **effort)  # type: ignore[arg-type]
     # Same numbers again: the search does not depend on threads.
     row = pf.validate(pt1, found.controller, found.parameters, seeds=(3, 4), margin_seeds=1)
     assert row.max_deg[0] > row.rms_deg[0] > 0.0 and row.gain_margin >= 1.5
@@ -210,10 +215,11 @@ def test_the_command_line_refuses_wrong_usage(capsys: pytest.CaptureFixture[str]
 
 def test_every_shipped_design_is_quiet_again_after_a_tilt_and_levels() -> None:
     from stillrate.platform.shipped import SHIPPED
+    from stillrate.platform.study import setup_of
 
     assert SHIPPED
     for design in SHIPPED:
-        setup = pf.Setup(sample_rate_hz=design.sample_rate_hz)
+        setup = setup_of(design)
         family = pf.families(setup)[design.family]
         # Seeds of this test's own; rest jitter is heavy-tailed for a filter that opens by itself, so eight of them.
         row = pf.validate(
@@ -222,7 +228,7 @@ def test_every_shipped_design_is_quiet_again_after_a_tilt_and_levels() -> None:
         name = f"{design.family} at {design.budget_percent} %"
         assert row.jitter_percent < 2.0 * row.undisturbed_percent, name
         # 0.125 deg of it is the gyro's bias over the 25 s; the rest is angle random walk and stiction.
-        assert row.levelling_deg[0] < 0.25, name
+        assert row.levelling_deg[0] <= 0.2, name
 
 
 def test_with_the_controller_fixed_the_bank_changes_the_jitter_and_not_the_residual() -> None:

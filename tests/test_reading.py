@@ -232,6 +232,7 @@ def test_no_file_does_worse_than_a_log_error(tmp_path_factory, content, suffix):
         ("sample_appended_multiple.ulg", "ulog_sample_appended_multiple"),
         ("xio_imu.mcap", "xio_fusion"),
         ("xio_rosbag2", "xio_fusion"),
+        ("btfl_001.bbl", "bbl_btfl_001"),
     ],
 )
 def test_files_of_real_loggers_agree_with_their_recordings(file, recording):

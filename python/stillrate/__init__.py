@@ -26,7 +26,7 @@ from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 from stillrate.results import Estimate, Flags, Trace
 
 if TYPE_CHECKING:
-    from stillrate import attitude, closed_forms, gimbal, metrics, platform, rate_table, simulate
+    from stillrate import attitude, closed_forms, fleet, gimbal, metrics, platform, rate_table, simulate
     from stillrate.allan_deviation import Allan, allan
     from stillrate.bias import ReferenceBias, reference_bias
     from stillrate.denoising import denoise
@@ -49,6 +49,7 @@ _LATER = {
     "bench_imu": "observe",
     "closed_forms": "closed_forms",
     "denoise": "denoising",
+    "fleet": "fleet",
     "gimbal": "gimbal",
     "metrics": "metrics",
     "observability": "observe",
@@ -99,6 +100,7 @@ __all__ = [
     "bench_imu",
     "closed_forms",
     "denoise",
+    "fleet",
     "gimbal",
     "load_config",
     "metrics",
@@ -115,20 +117,22 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Import what is not needed for filtering when it is first asked for."""
-    if name not in _LATER:
-        import difflib
-
-        near = difflib.get_close_matches(name, __all__, n=1)
-        raise AttributeError(f"stillrate has no {name!r}" + (f": did you mean {near[0]!r}?" if near else ""))
-    import importlib
-
-    module = importlib.import_module(f"stillrate.{_LATER[name]}")
-    found = module if _LATER[name] == name else getattr(module, name)
-    globals()[name] = found
-    return found
-
-
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__") and name.endswith("__"))})
+
+
+# Not for type checkers: they would take every misspelt name for one that comes later.
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        """Import what is not needed for filtering when it is first asked for."""
+        if name not in _LATER:
+            from stillrate.config import nearest
+
+            raise AttributeError(f"stillrate has no {name!r}{nearest(name, __all__)}", name=name)
+        import importlib
+
+        module = importlib.import_module(f"stillrate.{_LATER[name]}")
+        found = module if _LATER[name] == name else getattr(module, name)
+        globals()[name] = found
+        return found

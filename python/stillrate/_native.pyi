@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal, TypedDict, final, overload
+from typing import Any, Literal, TypedDict, TypeVar, final, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,10 @@ __version__: str
 
 _Floats = npt.NDArray[np.float64]
 _Settings = dict[str, float | str | list[float]]
+_Sample = float | np.floating[Any] | np.integer[Any] | None
+_Row = tuple[float, ...]
+_Array = npt.NDArray[Any] | Sequence[_Sample] | Sequence[Sequence[_Sample]]
+_Container = TypeVar("_Container")
 
 @final
 class Filter:
@@ -28,16 +32,29 @@ class Filter:
     @property
     def models(self) -> int: ...
     @property
-    def estimate(self) -> Any: ...
-    def update(self, value: Any, *others: float, dt_s: float | None = None) -> Any: ...
+    def estimate(self) -> Any: ...  # an Estimate with one channel, a tuple of them with more
+    @overload
+    def update(self, value: _Sample, *, dt_s: float | None = None) -> float: ...
+    @overload
+    def update(self, value: _Sample, second: _Sample, *others: _Sample, dt_s: float | None = None) -> _Row: ...
+    @overload
+    def update(self, value: Sequence[_Sample] | npt.NDArray[Any], *, dt_s: float | None = None) -> _Row: ...
     @overload
     def run(
         self,
-        samples: Any,
+        samples: _Array,
         dt_s: Any | None = None,
         trace: Literal[False] = False,
         out: npt.NDArray[Any] | None = None,
     ) -> npt.NDArray[Any]: ...
+    @overload
+    def run(
+        self,
+        samples: _Container,
+        dt_s: Any | None = None,
+        trace: Literal[False] = False,
+        out: None = None,
+    ) -> _Container: ...
     @overload
     def run(
         self, samples: Any, dt_s: Any | None = None, *, trace: Literal[True], out: npt.NDArray[Any] | None = None
@@ -83,9 +100,12 @@ class _Flight(TypedDict):
     firmware: str
     time_us: npt.NDArray[np.int64]
     names: list[str]
-    columns: list[_Floats]
+    columns: list[npt.NDArray[np.float64 | np.int32 | np.uint32]]
+    damaged_places: int
+    ended: bool
+    full: bool
 
-def read_blackbox(bytes: bytes) -> tuple[list[_Flight], list[str]]: ...
+def read_blackbox(bytes: bytes) -> tuple[_Flight | None, int, list[str]]: ...
 def read_delimited(path: str | Path) -> _Delimited: ...
 def write_delimited(
     path: str | Path,
@@ -265,6 +285,7 @@ def servo_tune(
     budget_percent: float,
     effort: tuple[int, int, int, int],
     seeds: _Seeds,
+    starts: list[tuple[object, list[float]]],
     progress: object | None,
 ) -> dict[str, Any]: ...
 def servo_validate(
@@ -352,8 +373,82 @@ class NativeVectorRls:
     def covariance(self) -> _Floats: ...
     def reset(self) -> None: ...
 
-# The other families are typed by the modules that wrap them.
-def noise_from_log(columns: list[Any], sample_rate_hz: float) -> tuple[list[dict[str, Any]], tuple[float, float]]: ...
+# Allan deviation, noise, simulator, measures.
+_ModelNumbers = tuple[float, float, float, float, float, float, float, int]
+
+def allan_deviation(
+    z: _Floats, sample_rate_hz: float, taus: str, per_decade: int, confidence: float
+) -> dict[str, Any]: ...
+def noise_from_log(
+    channels: list[_Floats], sample_rate_hz: float
+) -> tuple[list[dict[str, Any]], tuple[float, float]]: ...
+def simulate_bed(
+    kind: str,
+    sample_rate_hz: float,
+    seed: int,
+    duration_s: float | None,
+    waves_end_s: float | None,
+    noise: _ModelNumbers | None,
+    bound: bool,
+) -> dict[str, Any]: ...
+def simulate_gyro(
+    motion_dps: _Floats, sample_rate_hz: float, seed: int, noise: _ModelNumbers
+) -> tuple[_Floats, _Floats, _Floats]: ...
+def best_at_rest(measured_dps: _Floats, sample_rate_hz: float, noise: _ModelNumbers) -> tuple[_Floats, _Floats]: ...
+def rmse(estimate: _Floats, truth: _Floats) -> float: ...
+def rms_about_mean(z: _Floats) -> float: ...
+def nees_mean(estimate: _Floats, truth: _Floats, variance: _Floats) -> float: ...
+def pit_variance(weights: _Floats, innovations: _Floats, variances: _Floats, models: int) -> float: ...
+def lag_ms(estimate: _Floats, truth: _Floats, sample_rate_hz: float, max_lag_s: float) -> float: ...
+def settling(
+    estimate: _Floats, truth: _Floats, sample_rate_hz: float, start: int, end: int, band: float
+) -> tuple[float, float]: ...
+
+# Gimballed head.
+_Rows = list[list[float]]
+_Head = dict[str, Any]
+
 def gimbal_names() -> list[str]: ...
-def pit_variance(*arguments: Any) -> float: ...
-def __getattr__(name: str) -> Any: ...
+def gimbal_calibrate(
+    command: _Floats, samples: _Floats, dt_s: float, sigma_m_s2: float | None, method: str, settings: _Head
+) -> dict[str, Any]: ...
+def gimbal_bound(
+    command: _Floats, dt_s: float, sigma_m_s2: float, half_window: int, skip_jumps: bool, settings: _Head
+) -> dict[str, Any]: ...
+def gimbal_trajectory(
+    segments_deg_s: _Floats | None, segment_s: float, slew_deg_s2: float, interval_s: float, settings: _Head
+) -> _Floats: ...
+def gimbal_simulate(
+    values: list[float],
+    command: _Floats,
+    dt_s: float,
+    per_interval: int,
+    disturbance: dict[str, float],
+    seed: int,
+    settings: _Head,
+) -> _Floats: ...
+def gimbal_draw(gyro_factor: float, seed: int) -> _Floats: ...
+def gimbal_score(estimates: _Floats, truth: list[float], bound: _Floats, indices: list[int]) -> _Floats: ...
+def gimbal_rotation(v: _Floats) -> _Rows: ...
+def gimbal_axes(values: list[float], settings: _Head) -> tuple[list[_Rows], list[_Rows]]: ...
+def gimbal_step(
+    values: list[float], rotation: _Floats, command: _Floats, dt_s: float, settings: _Head
+) -> tuple[_Rows, list[float], list[float], _Rows]: ...
+def gimbal_output(
+    values: list[float], rotation: _Floats, settings: _Head
+) -> tuple[list[float], list[float], _Rows]: ...
+def gimbal_sensitivity(
+    values: list[float], command: _Floats, dt_s: float, epochs: list[int], settings: _Head
+) -> list[tuple[list[float], _Rows]]: ...
+def gimbal_convert(values: list[float], gauge: str, settings: _Head) -> list[float]: ...
+def gimbal_study(
+    method: str, start: str, seeds: _Seeds, options: dict[str, Any], settings: _Head
+) -> list[dict[str, Any]]: ...
+def gimbal_plan(
+    segments_deg_s: _Floats | None,
+    limits: tuple[float, float, float, float],
+    effort: tuple[int, int, int],
+    kappa_weight: float,
+    sampling: tuple[int, float],
+    settings: _Head,
+) -> tuple[_Rows, list[float], list[float]]: ...

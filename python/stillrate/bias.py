@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from stillrate import _native
 from stillrate.errors import ConfigError
+from stillrate.results import brief
 
 Array = npt.NDArray[np.float64]
 
@@ -34,6 +35,8 @@ class Iteration:
     rotation: Array
     jacobian_s: Array
     residual_rad: Array
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True)
@@ -94,6 +97,8 @@ class ReferenceBias:
     iterations: int
     converged: bool
     history: tuple[Iteration, ...] = field(repr=False)
+
+    __repr__ = brief
 
     @property
     def unobservable(self) -> tuple[str, ...]:

@@ -15,11 +15,11 @@ import numpy.typing as npt
 
 from stillrate import __version__
 from stillrate._native import Filter
-from stillrate.config import Config, methods
-from stillrate.errors import ConfigError, LogError
+from stillrate.config import Config, method_class
+from stillrate.errors import LogError
 from stillrate.io.log import Log
 from stillrate.noise import GyroNoise, noise_from_log
-from stillrate.results import Flags
+from stillrate.results import Flags, brief
 
 DEFAULT_METHOD = "ms-imm-ikf"
 CHUNK_ROWS = 1 << 14
@@ -47,6 +47,8 @@ class View:
     index: npt.NDArray[np.int64]
     probability: npt.NDArray[Any]
     frequency_hz: npt.NDArray[Any]
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,8 @@ class Cleaned:
     views: Mapping[str, View]
     notes: tuple[str, ...]
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True)
 class _Channel:
@@ -103,16 +107,9 @@ def settings_for(
             notes.append(f"the settings are for {config.sample_rate_hz:.6g} Hz: rebuilt for the log's {rate:.6g} Hz")
             config = config.replace(sample_rate_hz=rate)
         return dict.fromkeys(log.channels, config), notes
-    known = methods()
-    name = DEFAULT_METHOD if method is None else method
-    if name not in known:
-        import difflib
-
-        near = difflib.get_close_matches(name, known, n=1)
-        hint = f": did you mean {near[0]!r}?" if near else f" (one of {', '.join(sorted(known))})"
-        raise ConfigError(f"no method {name!r}{hint}")
+    cls = method_class(DEFAULT_METHOD if method is None else method)
     noise, notes = noise_of(log)
-    return {channel: known[name](sample_rate_hz=rate, noise=figures) for channel, figures in noise.items()}, notes
+    return {channel: cls(sample_rate_hz=rate, noise=figures) for channel, figures in noise.items()}, notes
 
 
 def noise_of(log: Log) -> tuple[dict[str, GyroNoise], list[str]]:

@@ -15,9 +15,8 @@ import numpy as np
 
 from stillrate import metrics, simulate
 from stillrate._native import Filter
-from stillrate.config import Config, methods
+from stillrate.config import Config, method_class, methods
 from stillrate.demo import STEP_DPS, STEP_S, STEP_UNTIL_S
-from stillrate.errors import ConfigError
 from stillrate.io.log import Floats, Log
 from stillrate.noise import GyroNoise, noise_from_log
 
@@ -64,8 +63,8 @@ def compare(log: Log, names: tuple[str, ...] = ()) -> list[Comparison]:
         If a method is unknown.
     """
     known = methods()
-    if unknown := sorted(set(names) - set(known)):
-        raise ConfigError(f"no method {unknown[0]!r} (one of {', '.join(sorted(known))})")
+    for name in names:
+        method_class(name)
     found = []
     figures = noise_from_log(log.rate_dps, log.sample_rate_hz)
     for index, channel in enumerate(log.channels):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import tomllib
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -41,6 +42,18 @@ class Config:
 
     sample_rate_hz: float
     noise: GyroNoise | None = None
+
+    def __new__(cls, *arguments: Any, **settings: Any) -> Self:
+        """Refuse a setting that the method does not have before Python does, with the nearest name."""
+        names = cls.__dataclass_fields__
+        for name in settings:
+            if name not in names:
+                raise ConfigError(f"{cls.__name__} has no setting {name!r}{nearest(name, names)}")
+        return super().__new__(cls)
+
+    def __reduce__(self) -> tuple[Callable[..., Config], tuple[str, dict[str, Any]]]:
+        """Pickle as method and settings: unpickling calls `config_from_settings`, which checks them."""
+        return config_from_settings, (self.method, self.settings())
 
     def __post_init__(self) -> None:
         if not self.method:
@@ -119,6 +132,37 @@ def methods() -> dict[str, type[Config]]:
     return {cls.method: cls for cls in Config.__subclasses__()}
 
 
+def method_class(name: str) -> type[Config]:
+    """Return the configuration class of a method.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such method; the text says which name is nearest.
+    """
+    known = methods()
+    if name not in known:
+        raise ConfigError(f"no method {name!r}{nearest(name, known, among=True)}")
+    return known[name]
+
+
+def nearest(name: str, known: Iterable[str], *, among: bool = False) -> str:
+    """Return a hint at the known name that comes nearest; with `among`, all of them where none does.
+
+    Examples
+    --------
+    >>> nearest("cutof_hz", ["cutoff_hz", "quality"])
+    ": did you mean 'cutoff_hz'?"
+    """
+    import difflib
+
+    names = sorted(known)
+    near = difflib.get_close_matches(name, names, n=1)
+    if near:
+        return f": did you mean {near[0]!r}?"
+    return f" (one of {', '.join(names)})" if among else ""
+
+
 def config_from_settings(method: str, settings: dict[str, Any]) -> Config:
     """Build a configuration from settings by name, as `Config.settings` gives them.
 
@@ -127,10 +171,7 @@ def config_from_settings(method: str, settings: dict[str, Any]) -> Config:
     ConfigError
         If the method or a setting is unknown, or a value is out of range.
     """
-    known = methods()
-    if method not in known:
-        raise ConfigError(f"no method {method!r} (one of {', '.join(sorted(known))})")
-    cls = known[method]
+    cls = method_class(method)
     names = {item.name for item in dataclasses.fields(cls)}
     values = dict(settings)
     noise = None
@@ -142,15 +183,8 @@ def config_from_settings(method: str, settings: dict[str, Any]) -> Config:
     if "sample_rate_hz" not in values:
         raise ConfigError("sample_rate_hz is missing (a number in Hz)")
     if unknown := sorted(set(values) - names):
-        raise ConfigError(_unknown(method, unknown[0], names))
+        raise ConfigError(f"{method} has no setting {unknown[0]!r}{nearest(unknown[0], names)}")
     return cls(noise=noise, **values)
-
-
-def _unknown(method: str, name: str, names: set[str]) -> str:
-    import difflib
-
-    near = difflib.get_close_matches(name, names, n=1)
-    return f"{method} has no setting {name!r}" + (f": did you mean {near[0]!r}?" if near else "")
 
 
 def load_config(path: str | Path) -> Config:

@@ -119,14 +119,15 @@ def score(found: Runs) -> list[Row]:
             bed.measured_dps if config is None else Filter(config).run(bed.measured_dps)
             for bed in (found.static, found.waves, found.steps)
         ]
-        rows.append(_row(name, found, *estimates))
+        rows.append(score_one(name, found, *estimates))
     bound = (found.static.bound_dps, found.waves.bound_dps)
     if bound[0] is not None and bound[1] is not None:
-        rows.append(_row("the best that is possible", found, bound[0], bound[1], None))
+        rows.append(score_one("the best that is possible", found, bound[0], bound[1], None))
     return rows
 
 
-def _row(name: str, found: Runs, static: Floats, waves: Floats, steps: Floats | None) -> Row:
+def score_one(name: str, found: Runs, static: Floats, waves: Floats, steps: Floats | None) -> Row:
+    """Return the figures of one filter from its outputs on the three runs."""
     rate = found.static.sample_rate_hz
     settled = slice(found.static.scored.start, found.static.scored.stop)
     scored, calm = found.waves.scored, found.calm

@@ -3,19 +3,45 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from stillrate._native import Filter
-from stillrate.arrays import as_samples
+from stillrate.arrays import as_samples, like
 from stillrate.config import config_from_settings
 from stillrate.noise import GyroNoise, noise_from_log
 
 
 class MotionDominated(UserWarning):
     """Most of the signal is motion: the noise figures are an upper bound, the filter can take out little."""
+
+
+_Container = TypeVar("_Container")
+
+
+@overload
+def denoise(
+    samples: npt.NDArray[Any] | Sequence[Any],
+    *,
+    sample_rate_hz: float,
+    method: str = ...,
+    noise: GyroNoise | None = ...,
+    dt_s: Any = ...,
+) -> npt.NDArray[Any]: ...
+
+
+@overload
+def denoise(
+    samples: _Container,
+    *,
+    sample_rate_hz: float,
+    method: str = ...,
+    noise: GyroNoise | None = ...,
+    dt_s: Any = ...,
+) -> _Container: ...
 
 
 def denoise(
@@ -25,7 +51,7 @@ def denoise(
     method: str = "ms-imm-ikf",
     noise: GyroNoise | None = None,
     dt_s: Any = None,
-) -> npt.NDArray[Any]:
+) -> Any:
     """Clean a gyro signal; without `noise`, each channel's noise is estimated from the signal itself.
 
     Parameters
@@ -44,7 +70,7 @@ def denoise(
     Returns
     -------
     ndarray
-        Same shape as `samples`, n in, n out.
+        Same shape as `samples`, n in, n out; a series or frame of pandas or polars for one, with its index and names.
 
     Warns
     -----
@@ -87,4 +113,4 @@ def denoise(
         }
         config = config_from_settings(method, settings)
         clean[:, channel] = Filter(config, dtype=str(array.dtype)).run(columns[:, channel], dt_s=dt_s)
-    return clean.reshape(array.shape)
+    return like(samples, clean.reshape(array.shape))

@@ -75,8 +75,8 @@ def pit_variance(probability: Any, innovation: Any, innovation_variance: Any) ->
     ]
     if any(table.ndim != 2 or table.shape != tables[0].shape for table in tables):
         raise ValueError(f"tables of shapes {[table.shape for table in tables]} (must all be (n, models))")
-    flat = (np.ascontiguousarray(table).reshape(-1) for table in tables)
-    return float(_native.pit_variance(*flat, tables[0].shape[1]))
+    weights, innovations, variances = (np.ascontiguousarray(table).reshape(-1) for table in tables)
+    return float(_native.pit_variance(weights, innovations, variances, tables[0].shape[1]))
 
 
 def lag_ms(estimate: Any, truth: Any, sample_rate_hz: float, *, max_lag_s: float = 0.2) -> float:

@@ -23,7 +23,7 @@ class GyroNoise:
 
     Examples
     --------
-    >>> GyroNoise.from_datasheet(angle_random_walk_deg_sqrt_h=0.9).density_dps_sqrt_hz
+    >>> round(GyroNoise.from_datasheet(angle_random_walk_deg_sqrt_h=0.9).density_dps_sqrt_hz, 6)
     0.015
     """
 

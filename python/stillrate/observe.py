@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from stillrate import _native
 from stillrate.errors import ConfigError
+from stillrate.results import brief
 
 Array = npt.NDArray[np.float64]
 
@@ -75,6 +76,8 @@ class Observability:
     riccati_over_prior: Array
     tenth_of_prior_s: Array
     weak_directions: tuple[WeakDirection, ...]
+
+    __repr__ = brief
 
 
 def observability(

@@ -9,6 +9,35 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+_SHORT_ARRAY = 6
+_SHORT_WORD = 60
+
+
+def brief(thing: Any) -> str:
+    """Return a frozen record in one line: short values as they are, arrays by type and shape.
+
+    Examples
+    --------
+    >>> from stillrate.simulate import Reading
+    >>> brief(Reading(np.zeros(50), np.zeros(2), np.zeros((4, 3))))
+    'Reading(measured_dps=<float64 (50,)>, truth_dps=[0. 0.], drift_dps=<float64 (4, 3)>)'
+    """
+    words = ", ".join(f"{item.name}={_word(getattr(thing, item.name))}" for item in fields(thing) if item.repr)
+    return f"{type(thing).__name__}({words})"
+
+
+def _word(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        if value.ndim == 1 and value.size <= _SHORT_ARRAY:
+            return np.array2string(value, precision=4, separator=" ")
+        return f"<{value.dtype} {value.shape}>"
+    text = repr(value)
+    if len(text) <= _SHORT_WORD:
+        return text
+    if isinstance(value, (tuple, list, dict)):
+        return f"<{type(value).__name__} of {len(value)}>"
+    return text if hasattr(value, "__dataclass_fields__") else f"{text[:_SHORT_WORD]}..."
+
 
 class Flags(IntFlag):
     """What happened to a sample."""

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from stillrate import _native
 from stillrate.arrays import as_column
+from stillrate.results import brief
 
 __all__ = [
     "Bed",
@@ -53,6 +54,8 @@ class GyroModel:
         Probability that a gap begins at a sample.
     gap_samples : int
         Length of a gap in samples.
+    bias_instability_dps : float
+        Flicker noise B in deg/s; the Allan deviation has its floor at 0.664 B. With it there is no bound.
     """
 
     density_dps_sqrt_hz: float = 0.1068 / math.sqrt(50.0)
@@ -63,6 +66,7 @@ class GyroModel:
     saturation_dps: float = math.inf
     missing_probability: float = 0.0
     gap_samples: int = 1
+    bias_instability_dps: float = 0.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -181,6 +185,8 @@ class Reading:
     measured_dps: Array
     truth_dps: Array
     drift_dps: Array
+
+    __repr__ = brief
 
 
 def gyro(motion_dps: Any, sample_rate_hz: float, seed: int, noise: GyroModel | None = None) -> Reading:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
+import textwrap
 from dataclasses import dataclass
 
 import numpy as np
 
 from stillrate.allan_deviation import Allan, allan
 from stillrate.cleaning import DEFAULT_METHOD
-from stillrate.config import Config, methods
-from stillrate.errors import ConfigError, LogError
+from stillrate.config import Config, method_class
+from stillrate.errors import LogError
 from stillrate.io.log import Floats, Log
 from stillrate.noise import GyroNoise, NoiseFromLog, noise_from_log
 
@@ -47,7 +49,42 @@ class Tuned:
             "# The figures below are the largest of the axes at rest: too high a density is safer than too low.",
             "",
         ]
-        return "\n".join(lines) + self.config.to_toml()
+        return "\n".join(lines) + _commented(self.config)
+
+
+_GENERAL = {
+    "method": "The filter.",
+    "sample_rate_hz": "Samples a second of the logs that these settings are for, in Hz.",
+    "density_dps_sqrt_hz": "Two-sided density of the white noise (angle random walk), N in (deg/s)/sqrt(Hz).",
+    "rate_random_walk_dps_sqrt_s": "Random walk of the rate, K in (deg/s)/sqrt(s).",
+}
+
+
+def _commented(config: Config) -> str:
+    """Return the settings as TOML, above each what it is: the words of the method's own documentation."""
+    told = {**_documented(type(config)), **_GENERAL}
+    lines: list[str] = []
+    last = None
+    for line in config.to_toml().splitlines():
+        words = told.get(line.split(" = ")[0]) if " = " in line else None
+        if words is not None and words != last:
+            lines += ["", *textwrap.wrap(words, 100, initial_indent="# ", subsequent_indent="# ")]
+        last = words or last
+        if line or words:
+            lines.append(line)
+    return "\n".join(lines).replace("\n[noise]", "\n\n[noise]") + "\n"
+
+
+def _documented(kind: type[Config]) -> dict[str, str]:
+    """Return what the class says of each parameter (numpy style: names, then indented words)."""
+    found: dict[str, str] = {}
+    names: list[str] = []
+    for line in inspect.cleandoc(kind.__doc__ or "").splitlines():
+        if line and not line.startswith(" "):
+            names = [name.strip() for name in line.partition(" : ")[0].split(",")] if " : " in line else []
+        for name in names if line.startswith(" ") else ():
+            found[name] = f"{found.get(name, '')} {line.strip()}".strip().replace("``", "").replace("()", "[]")
+    return found
 
 
 def tune(log: Log, method: str = DEFAULT_METHOD, *, rest: slice | None = None) -> Config:
@@ -81,15 +118,13 @@ def tune(log: Log, method: str = DEFAULT_METHOD, *, rest: slice | None = None) -
 
 def tune_with_reasons(log: Log, method: str = DEFAULT_METHOD, *, rest: slice | None = None) -> Tuned:
     """As `tune`, with what each axis showed."""
-    known = methods()
-    if method not in known:
-        raise ConfigError(f"no method {method!r} (one of {', '.join(sorted(known))})")
+    cls = method_class(method)
     rates = log.rate_dps if rest is None else log.rate_dps[rest]
     if len(rates) < 8:
         raise LogError(f"{len(rates)} samples of rest (must be at least 8)")
     found = noise_from_log(rates, log.sample_rate_hz)
     noise = GyroNoise.from_log(rates, sample_rate_hz=log.sample_rate_hz)
-    config = known[method](sample_rate_hz=log.sample_rate_hz, noise=noise)
+    config = cls(sample_rate_hz=log.sample_rate_hz, noise=noise)
     return Tuned(config, dict(zip(log.channels, found, strict=True)))
 
 

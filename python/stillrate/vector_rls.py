@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stillrate import _native
+from stillrate.results import brief
 
 Array = npt.NDArray[np.float64]
 
@@ -21,6 +22,8 @@ class VectorRlsTrace:
     prediction: Array
     innovation: Array
     flags: npt.NDArray[np.uint32]
+
+    __repr__ = brief
 
 
 class VectorRls:
@@ -71,6 +74,13 @@ class VectorRls:
         self._native = _native.NativeVectorRls(
             order, float(forgetting_factor), float(initial_covariance), float(trace_max), name == "float32"
         )
+        self._settings = (
+            f"forgetting_factor={forgetting_factor:g}, initial_covariance={initial_covariance:g},"
+            f" trace_max={trace_max:g}, dtype={name!r}"
+        )
+
+    def __repr__(self) -> str:
+        return f"VectorRls({self.order}, {self._settings})"
 
     @property
     def order(self) -> int:

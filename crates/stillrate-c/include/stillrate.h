@@ -1262,7 +1262,7 @@ typedef struct stillrate_singer_imm_kf_f32 {
 /* State of SingerImmKf. */
 typedef struct stillrate_singer_imm_kf_state_f32 {
     stillrate_gaussian2_f32 model[2]; /* Rate and acceleration of both models. */
-    float probability[2]; /* Their probabilities. */
+    float weight[2]; /* Their weights: probabilities once divided by their sum. */
     float started; /* 1 once a sample has been seen. */
 } stillrate_singer_imm_kf_state_f32;
 
@@ -1308,7 +1308,7 @@ typedef struct stillrate_singer_imm_kf_f64 {
 /* State of SingerImmKf. */
 typedef struct stillrate_singer_imm_kf_state_f64 {
     stillrate_gaussian2_f64 model[2]; /* Rate and acceleration of both models. */
-    double probability[2]; /* Their probabilities. */
+    double weight[2]; /* Their weights: probabilities once divided by their sum. */
     double started; /* 1 once a sample has been seen. */
 } stillrate_singer_imm_kf_state_f64;
 

@@ -38,6 +38,10 @@ pub fn clairvoyant(bed: &Bed) -> Option<Clairvoyant> {
     let settings = &bed.settings;
     let period = 1.0 / settings.sample_rate_hz;
     let noise = &settings.noise;
+    if noise.bias_instability_dps > 0.0 {
+        // Flicker has no model of finite order.
+        return None;
+    }
     let run = match settings.kind {
         BedKind::Static => rest(&bed.measured_dps, noise, period),
         BedKind::Waves => {
@@ -75,6 +79,9 @@ pub fn best_filter_at_rest(
     sample_rate_hz: f64,
 ) -> Result<Clairvoyant, ConfigError> {
     noise.check()?;
+    if noise.bias_instability_dps > 0.0 {
+        return Err(ConfigError::new("bias_instability_dps", noise.bias_instability_dps, "deg/s", "0 for a bound"));
+    }
     let rate = positive("sample_rate_hz", sample_rate_hz, "Hz")?;
     Ok(rest(measured_dps, noise, 1.0 / rate))
 }

@@ -22,3 +22,8 @@ pub mod simulate;
 pub mod statistics;
 pub mod tune;
 pub mod wide;
+
+/// The Rust blocks of the documentation, run with the other examples.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/howto/firmware.md")]
+mod firmware {}

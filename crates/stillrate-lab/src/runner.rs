@@ -15,6 +15,9 @@ use crate::wide;
 /// From this many samples on, groups of channels run on several threads; which thread never changes a bit.
 const PARALLEL_FROM: usize = 1 << 15;
 
+/// Numbers of a saved estimate besides the probabilities: see [`Watched::scatter`].
+const ESTIMATE_NUMBERS: usize = 5;
+
 /// Number type that a filter computes in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
@@ -275,6 +278,15 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
         last.unseen = None;
     }
 
+    /// What the last sample left behind, with models and frequency up to date.
+    fn seen(&self, last: &Watched<T, StateOf<S, T>>) -> Watched<T, StateOf<S, T>> {
+        let mut last = last.clone();
+        if let Some((mut state, sample)) = last.unseen.take() {
+            self.filter.observe(&mut state, sample, &mut Watcher(&mut last.models, &mut last.frequency));
+        }
+        last
+    }
+
     /// One sample, unwatched; what is needed to watch it afterwards is kept.
     fn step(&mut self, c: usize, sample: Sample<T>) -> T {
         let last = &mut self.last[c];
@@ -314,6 +326,29 @@ impl<T: Real, U> Watched<T, U> {
 
     fn frequency_hz(&self) -> f64 {
         self.frequency.widen() / core::f64::consts::TAU
+    }
+
+    /// The estimate as numbers: rate, acceleration, variance, frequency in rad/s, flags, probability of each model.
+    fn scatter(&self, numbers: &mut Vec<T>) {
+        let Estimate { rate, acceleration, variance, flags } = self.estimate;
+        numbers.extend([rate, acceleration, variance, self.frequency, T::of(f64::from(flags.0))]);
+        numbers.extend(self.models.iter().map(|model| model.probability));
+    }
+
+    /// Takes what [`Watched::scatter`] gave.
+    fn gather(&mut self, numbers: &[f64]) {
+        let [rate, acceleration, variance, frequency, flags, probabilities @ ..] = numbers else { return };
+        self.estimate = Estimate {
+            rate: T::of(*rate),
+            acceleration: T::of(*acceleration),
+            variance: T::of(*variance),
+            flags: Flags(*flags as u32),
+        };
+        self.frequency = T::of(*frequency);
+        for (model, probability) in self.models.iter_mut().zip(probabilities) {
+            model.probability = T::of(*probability);
+        }
+        self.unseen = None;
     }
 }
 
@@ -391,10 +426,7 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
 
     fn estimate(&self, channel: usize) -> LastEstimate {
         let Some(last) = self.last.get(channel) else { return LastEstimate::default() };
-        let mut last = last.clone();
-        if let Some((mut state, sample)) = last.unseen {
-            self.filter.observe(&mut state, sample, &mut Watcher(&mut last.models, &mut last.frequency));
-        }
+        let last = self.seen(last);
         LastEstimate {
             rate: last.estimate.rate.widen(),
             acceleration: last.estimate.acceleration.widen(),
@@ -410,17 +442,24 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
         for state in &self.states {
             state.scatter(&mut |number: T| numbers.push(number));
         }
+        self.last.iter().for_each(|last| self.seen(last).scatter(&mut numbers));
         saved::write(S::METHOD, &self.settings(), self.states.len(), &numbers)
     }
 
     fn load(&mut self, numbers: &[f64]) -> bool {
         let count = <StateOf<S, T> as Reals<T>>::COUNT;
-        if numbers.len() != count * self.states.len() {
+        let watched = ESTIMATE_NUMBERS + self.filter.models();
+        let Some((states, estimates)) = numbers.split_at_checked(count * self.states.len()) else { return false };
+        // The first files of this version ended with the states.
+        if !estimates.is_empty() && estimates.len() != watched * self.states.len() {
             return false;
         }
-        for (state, part) in self.states.iter_mut().zip(numbers.chunks_exact(count)) {
+        for (state, part) in self.states.iter_mut().zip(states.chunks_exact(count)) {
             let mut next = part.iter();
             *state = Reals::gather(&mut || T::of(next.next().copied().unwrap_or(0.0)));
+        }
+        for (last, part) in self.last.iter_mut().zip(estimates.chunks_exact(watched)) {
+            last.gather(part);
         }
         true
     }

@@ -2,8 +2,9 @@
 //!
 //! Layout: magic `STILLRAT`, version u16, precision u8 (4 or 8 bytes a number), method (u8 length, text), settings
 //! (u16 count; each u8 length, name, kind u8, then a number, a u16-counted list, or a u8-counted word), channels
-//! u32, state numbers (u64 count, then numbers of the stated size), CRC-32 of everything before. Nothing else is trusted: lengths
-//! are checked against the bytes at hand, and the configuration is built anew and checked like any other.
+//! u32, numbers (u64 count, then numbers of the stated size): the state of each channel, then the last estimate of each
+//! channel, which may be absent; CRC-32 of everything before. Nothing else is trusted: lengths are checked against
+//! the bytes at hand, and the configuration is built anew and checked like any other.
 
 use stillrate::Real;
 
@@ -24,7 +25,7 @@ pub struct Saved {
     pub precision: Precision,
     /// Number of channels.
     pub channels: usize,
-    /// The state, widened to `f64` (exact).
+    /// States and last estimates, widened to `f64` (exact).
     pub numbers: Vec<f64>,
 }
 

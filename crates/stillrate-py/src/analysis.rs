@@ -113,7 +113,7 @@ fn noise_from_log<'py>(
 }
 
 /// The numbers of `GyroNoiseModel` in the order of the Python class.
-type ModelNumbers = (f64, f64, f64, f64, f64, f64, f64, usize);
+type ModelNumbers = (f64, f64, f64, f64, f64, f64, f64, usize, f64);
 
 fn model_from(numbers: ModelNumbers) -> GyroNoiseModel {
     GyroNoiseModel {
@@ -125,6 +125,7 @@ fn model_from(numbers: ModelNumbers) -> GyroNoiseModel {
         saturation_dps: numbers.5,
         missing_probability: numbers.6,
         gap_samples: numbers.7,
+        bias_instability_dps: numbers.8,
     }
 }
 

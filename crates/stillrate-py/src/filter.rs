@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyFloat, PyInt, PyTuple};
 use stillrate::models::SingerCoefficients;
 use stillrate_lab::runner::{self, Precision, Runner, Sink, Source, Timing, Trace};
 
@@ -44,9 +44,24 @@ fn resolve<'py>(py: Python<'py>, method: &str, settings: &Bound<'py, PyDict>) ->
     settings_to(py, &runner.settings())
 }
 
-/// A filter with its channels.
+/// A filter with its channels: one class for every method.
 ///
-/// A filter of either precision takes `float32` and `float64` samples; its output has its own precision.
+/// Parameters
+/// ----------
+/// config : Config
+///     What to run, such as ``MsImmIkf(...)``; checked when it was built, so that nothing fails here.
+/// channels : int, optional
+///     How many signals side by side, each with a state of its own; default 1.
+/// dtype : {"float64", "float32"}, optional
+///     Number type of the computation and of the output; samples of either type are taken.
+///
+/// Examples
+/// --------
+/// >>> import stillrate as sr
+/// >>> noise = sr.GyroNoise(density_dps_sqrt_hz=0.0151)
+/// >>> flt = sr.Filter(sr.MsImmIkf(sample_rate_hz=50.0, noise=noise))
+/// >>> flt.run([0.1, 0.0, float("nan"), 0.1]).shape
+/// (4,)
 #[pyclass(frozen, module = "stillrate")]
 struct Filter {
     runner: Mutex<Box<dyn Runner>>,
@@ -122,6 +137,19 @@ impl Filter {
         self.lock().models()
     }
 
+    /// Take one sample of each channel and return the filtered one; a step never fails.
+    ///
+    /// Parameters
+    /// ----------
+    /// value, *others : float
+    ///     One number a channel, or one array of them; NaN or infinite is a missing sample: the filter coasts.
+    /// dt_s : float, optional
+    ///     Time since the last sample in s; default one nominal period.
+    ///
+    /// Returns
+    /// -------
+    /// float or tuple of float
+    ///     The filtered rate; with several channels, one each.
     #[pyo3(signature = (value, *others, dt_s=None))]
     fn update<'py>(
         &self,
@@ -131,7 +159,7 @@ impl Filter {
         dt_s: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         if self.channels == 1 && others.is_empty() {
-            let mut sample = [value.extract::<f64>()?];
+            let mut sample = [number_from(value)?];
             self.lock().update(&mut sample, dt_s);
             return Ok(sample[0].into_pyobject(py)?.into_any());
         }
@@ -139,7 +167,10 @@ impl Filter {
         let mut short = [0.0; 16];
         let mut long = Vec::new();
         let row = if others.is_empty() {
-            long = value.extract::<Vec<f64>>().map_err(|_| self.count_error(1))?;
+            let row = value.try_iter().map_err(|_| self.count_error(1))?;
+            for item in row {
+                long.push(number_from(&item?)?);
+            }
             long.as_mut_slice()
         } else {
             let count = 1 + others.len();
@@ -149,9 +180,9 @@ impl Filter {
                 long.resize(count, 0.0);
                 long.as_mut_slice()
             };
-            row[0] = value.extract()?;
+            row[0] = number_from(value)?;
             for (slot, other) in row[1..].iter_mut().zip(others) {
-                *slot = other.extract()?;
+                *slot = number_from(&other)?;
             }
             row
         };
@@ -162,6 +193,28 @@ impl Filter {
         Ok(PyTuple::new(py, &*row)?.into_any())
     }
 
+    /// Filter an array; the state goes on from the call before, so a record may come in pieces.
+    ///
+    /// Parameters
+    /// ----------
+    /// samples : array_like, shape (n,) or (n, channels)
+    ///     Samples in deg/s (or any unit that the noise has too); NaN, infinite or masked ones are missing.
+    /// dt_s : float or array_like, shape (n,), optional
+    ///     Time since the sample before in s; default one nominal period.
+    /// trace : bool, optional
+    ///     Return a `Trace` with all that is known about every sample.
+    /// out : ndarray, optional
+    ///     Array for the result.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray or Trace
+    ///     As many samples as came in, of the same shape, all finite.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a shape does not fit.
     #[pyo3(signature = (samples, dt_s=None, trace=false, out=None))]
     fn run<'py>(
         &self,
@@ -171,7 +224,8 @@ impl Filter {
         trace: bool,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let samples = samples_from(samples)?;
+        let given = samples;
+        let samples = samples_from(given)?;
         let shape = match &samples {
             Samples::Single(array) => array.shape().to_vec(),
             Samples::Double(array) => array.shape().to_vec(),
@@ -209,8 +263,9 @@ impl Filter {
         }
         macro_rules! filtered {
             ($type:ident, $variant:ident) => {{
+                let fresh = out.is_none();
                 let output = match out {
-                    Some(given) => given
+                    Some(out) => out
                         .cast::<PyArrayDyn<$type>>()
                         .map_err(|_| PyTypeError::new_err(concat!("out must be an array of ", stringify!($type))))?
                         .clone(),
@@ -226,13 +281,13 @@ impl Filter {
                     let slice = writable.as_slice_mut().map_err(|_| PyValueError::new_err("out must be contiguous"))?;
                     py.detach(|| self.lock().run(source, timing, Sink::$variant(slice)));
                 }
-                Ok(output.into_any())
+                if fresh { like(given, output.into_any()) } else { Ok(output.into_any()) }
             }};
         }
         if self.dtype == "float32" { filtered!(f32, Single) } else { filtered!(f64, Double) }
     }
 
-    /// The last estimate of each channel: an `Estimate`, or a tuple of them.
+    /// The last estimate, an `Estimate`; with several channels a tuple of them.
     #[getter]
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let class = py.import("stillrate.results")?.getattr("Estimate")?;
@@ -247,31 +302,32 @@ impl Filter {
         Ok(PyTuple::new(py, (0..self.channels).map(one).collect::<PyResult<Vec<_>>>()?)?.into_any())
     }
 
-    /// Back to the state before the first sample.
+    /// Return to the state before the first sample.
     fn reset(&self) {
         self.lock().reset();
     }
 
-    /// Configuration and state as versioned, checksummed bytes.
+    /// Return configuration and state as versioned, checksummed bytes.
     fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.lock().save())
     }
 
-    /// A filter that continues where the saved one stood.
+    /// Build a filter that continues where the saved one stood; bytes that do not fit are refused.
     #[staticmethod]
     fn restore(py: Python<'_>, blob: &[u8]) -> PyResult<Self> {
         let runner = runner::restore(blob).map_err(|error| config_error(py, &error))?;
         Self::wrap(py, runner, None)
     }
 
-    /// A filter of the same configuration and state that goes its own way.
+    /// Return a filter of the same configuration and state that goes its own way.
     fn copy(&self, py: Python<'_>) -> PyResult<Self> {
         let twin = self.lock().duplicate();
         Self::wrap(py, twin, Some(self.config.clone_ref(py)))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        Ok((py.get_type::<Self>().getattr("restore")?, (self.save(py),)))
+        // A plain function, so that a pickle names nothing but it.
+        Ok((py.import("stillrate.saving")?.getattr("restore")?, (self.save(py),)))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -286,6 +342,25 @@ impl Filter {
     }
 }
 
+/// One sample; what is masked, `None` or NA is missing.
+fn number_from(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    if let Ok(number) = value.cast::<PyFloat>() {
+        return Ok(number.value());
+    }
+    if value.is_instance_of::<PyInt>() {
+        return value.extract();
+    }
+    value.py().import("stillrate.arrays")?.getattr("as_number")?.call1((value,))?.extract()
+}
+
+/// The result in the container of the samples: a series for a series, an array for an array.
+fn like<'py>(given: &Bound<'py, PyAny>, result: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    if given.get_type().name().is_ok_and(|name| name == "ndarray") {
+        return Ok(result);
+    }
+    given.py().import("stillrate.arrays")?.getattr("like")?.call1((given, result))
+}
+
 /// Time steps of all samples: one number for all, or one a sample.
 fn steps_from(dt: &Bound<'_, PyAny>, rows: usize) -> PyResult<Vec<f64>> {
     if let Ok(one) = dt.extract::<f64>() {
@@ -293,7 +368,10 @@ fn steps_from(dt: &Bound<'_, PyAny>, rows: usize) -> PyResult<Vec<f64>> {
     }
     let steps: Vec<f64> = match dt.extract::<PyReadonlyArray1<'_, f64>>() {
         Ok(array) => array.as_array().iter().copied().collect(),
-        Err(_) => dt.extract().map_err(|_| PyTypeError::new_err("dt_s must be a number or one number a sample"))?,
+        Err(_) => {
+            let column = dt.py().import("stillrate.arrays")?.getattr("as_column")?.call1((dt,))?;
+            column.extract().map_err(|_| PyTypeError::new_err("dt_s must be a number or one number a sample"))?
+        }
     };
     if steps.len() == rows {
         Ok(steps)

@@ -6,10 +6,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stillrate::ConfigError;
-use stillrate::gimbal::{COUNT, Coefficients, DEFAULT_SCALE, Gauge, Model, NAMES, Options, Reference, Triads};
-use stillrate_lab::gimbal::{self as lab, Method, Sampling, Settings};
+use stillrate::gimbal::{COUNT, Coefficients, DEFAULT_SCALE, NAMES};
+use stillrate_lab::gimbal::{self as lab, Method, Sampling};
 
 use super::gimbal_parts;
+use super::gimbal_settings::{get, model_from, settings_from};
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(gimbal_names, module)?)?;
@@ -27,7 +28,7 @@ pub(crate) fn refused(py: Python<'_>, error: &ConfigError) -> PyErr {
     exception(py, "ConfigError", &error.to_string())
 }
 
-fn exception(py: Python<'_>, class: &str, text: &str) -> PyErr {
+pub(crate) fn exception(py: Python<'_>, class: &str, text: &str) -> PyErr {
     let build = || -> PyResult<PyErr> {
         let class = py.import("stillrate.errors")?.getattr(class)?;
         Ok(PyErr::from_value(class.call1((text,))?))
@@ -60,78 +61,10 @@ pub(crate) fn table<'py>(py: Python<'py>, rows: &[Vec<f64>]) -> Bound<'py, PyArr
     PyArray2::from_owned_array(py, array)
 }
 
-/// Takes what is in the dictionary under a name, or the default.
-fn get<'py, V>(settings: &Bound<'py, PyDict>, name: &str, default: V) -> PyResult<V>
-where
-    V: for<'a> FromPyObject<'a, 'py>,
-{
-    match settings.get_item(name)? {
-        Some(value) if !value.is_none() => {
-            value.extract::<V>().map_err(|_| PyValueError::new_err(format!("{name} = {value} cannot be used")))
-        }
-        _ => Ok(default),
-    }
-}
-
-fn triad(rows: &[Vec<usize>], default: [[usize; 3]; 3]) -> PyResult<[[usize; 3]; 3]> {
-    if rows.is_empty() {
-        return Ok(default);
-    }
-    let row = |i: usize| rows.get(i).and_then(|r| <[usize; 3]>::try_from(r.as_slice()).ok());
-    match (rows.len(), row(0), row(1), row(2)) {
-        (3, Some(a), Some(b), Some(c)) => Ok([a, b, c]),
-        _ => Err(PyValueError::new_err("triads must be three rows of three axes (0, 1, 2)")),
-    }
-}
-
-pub(crate) fn model_from(py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Model> {
-    let gravity = get(settings, "gravity_m_s2", 9.8)?;
-    let latitude = get(settings, "latitude_rad", 40.0_f64.to_radians())?;
-    let mut model = Model::new(gravity, latitude).map_err(|e| refused(py, &e))?;
-    model.earth_rate_rad_s = get(settings, "earth_rate_rad_s", model.earth_rate_rad_s)?;
-    if !model.earth_rate_rad_s.is_finite() {
-        return Err(PyValueError::new_err("earth_rate_rad_s must be finite"));
-    }
-    model.refined = get(settings, "refined", true)?;
-    model.triads = Triads {
-        gyro: triad(&get(settings, "gyro_triads", Vec::new())?, model.triads.gyro)?,
-        accelerometer: triad(&get(settings, "accelerometer_triads", Vec::new())?, model.triads.accelerometer)?,
-    };
-    model.triads.check().map_err(|e| refused(py, &e))?;
-    Ok(model)
-}
-
-pub(crate) fn settings_from(py: Python<'_>, dict: &Bound<'_, PyDict>) -> PyResult<Settings> {
-    let mut settings = Settings::new(model_from(py, dict)?);
-    let wrong = |name: &str, value: &str, range: &str| {
-        exception(py, "ConfigError", &format!("{name} = {value} (must be {range})"))
-    };
-    settings.gauge = match get(dict, "gauge", "accelerometer".to_owned())?.as_str() {
-        "accelerometer" => Gauge::Accelerometer,
-        "gyro" => Gauge::Gyro,
-        "none" => Gauge::None,
-        other => return Err(wrong("gauge", other, "accelerometer, gyro or none")),
-    };
-    settings.reference = match get(dict, "reference", "model".to_owned())?.as_str() {
-        "model" => Reference::Model,
-        "commanded" => Reference::Commanded,
-        other => return Err(wrong("reference", other, "model or commanded")),
-    };
-    settings.options = Options {
-        torquer: get(dict, "torquer", false)?,
-        quadratic: get(dict, "quadratic", false)?,
-        latency: get(dict, "latency", false)?,
-        latitude: get(dict, "latitude", false)?,
-    };
-    settings.scale = coefficients(&get(dict, "scale", Vec::new())?, &DEFAULT_SCALE)?;
-    settings.prior = coefficients(&get(dict, "prior", Vec::new())?, &[0.0; COUNT])?;
-    settings.robust = get(dict, "robust", true)?;
-    settings.second_order = get(dict, "second_order", settings.second_order)?;
-    settings.angle_random_walk_deg_sqrt_h = get(dict, "angle_random_walk_deg_sqrt_h", 0.0)?;
-    settings.cut_off_rad = get(dict, "cut_off_rad", 0.0)?;
-    settings.single = get(dict, "single", false)?;
-    settings.every = get(dict, "every", 4)?;
-    Ok(settings)
+/// Rows of all coefficients.
+fn wide<'py>(py: Python<'py>, list: &[Coefficients]) -> Bound<'py, PyArray2<f64>> {
+    let array = Array2::from_shape_vec((list.len(), COUNT), list.as_flattened().to_vec()).unwrap_or_default();
+    PyArray2::from_owned_array(py, array)
 }
 
 /// Names of all coefficients.
@@ -153,6 +86,7 @@ fn gimbal_calibrate<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let half_window = get(settings, "half_window", usize::MAX)?;
     let diagnose = get(settings, "diagnose", false)?;
+    let bounds = get(settings, "bounds", true)?;
     let settings = settings_from(py, settings)?;
     let Some(method) = Method::named(method) else {
         let names: Vec<&str> = Method::NAMED.iter().map(|(name, _)| *name).collect();
@@ -176,7 +110,9 @@ fn gimbal_calibrate<'py>(
             cut_off_rad: settings.cut_off_rad,
         };
         let at = if outcome.diverged { settings.prior } else { outcome.coefficients };
-        let bound = lab::bound(&settings.model, &at, &settings.scale, &outcome.indices, &prepared.commands, &sampling);
+        let bound = bounds.then(|| {
+            lab::bound(&settings.model, &at, &settings.scale, &outcome.indices, &prepared.commands, &sampling)
+        });
         let hidden = if diagnose { lab::hidden(&record, &settings)? } else { Vec::new() };
         Ok((outcome, bound, hidden))
     });
@@ -186,9 +122,8 @@ fn gimbal_calibrate<'py>(
     result.set_item("deviation", PyArray1::from_slice(py, &outcome.deviation))?;
     result.set_item("indices", outcome.indices.clone())?;
     result.set_item("history_time_s", PyArray1::from_slice(py, &outcome.history.time_s))?;
-    let rows = |list: &[Coefficients]| list.iter().map(|c| c.to_vec()).collect::<Vec<_>>();
-    result.set_item("history", table(py, &rows(&outcome.history.coefficients)))?;
-    result.set_item("history_deviation", table(py, &rows(&outcome.history.deviation)))?;
+    result.set_item("history", wide(py, &outcome.history.coefficients))?;
+    result.set_item("history_deviation", wide(py, &outcome.history.deviation))?;
     result.set_item("diverged", outcome.diverged)?;
     result.set_item("steps", outcome.steps)?;
     result.set_item("cost", outcome.cost)?;
@@ -196,10 +131,11 @@ fn gimbal_calibrate<'py>(
     result.set_item("sigma_m_s2", prepared.sigma_m_s2)?;
     result.set_item("interval_s", prepared.interval_s)?;
     result.set_item("missing", prepared.missing)?;
-    result.set_item("unobservable", bound.unobservable(&settings.scale))?;
-    result.set_item("bound", PyArray1::from_slice(py, &bound.deviation))?;
-    result.set_item("kappa_bound", bound.kappa_deviation)?;
-    result.set_item("weakest", bound.weakest(4))?;
+    let deviation = bound.as_ref().map_or([f64::NAN; COUNT], |b| b.deviation);
+    result.set_item("bound", PyArray1::from_slice(py, &deviation))?;
+    result.set_item("kappa_bound", bound.as_ref().map_or(f64::NAN, |b| b.kappa_deviation))?;
+    result.set_item("unobservable", bound.as_ref().map_or_else(Vec::new, |b| b.unobservable(&settings.scale)))?;
+    result.set_item("weakest", bound.as_ref().map_or_else(Vec::new, |b| b.weakest(4)))?;
     result.set_item("hidden", hidden)?;
     if let Some(tests) = outcome.tests {
         let dict = PyDict::new(py);

@@ -10,7 +10,8 @@ use stillrate::gimbal::rotation::exponential;
 use stillrate::gimbal::{COUNT, Geometry};
 use stillrate_lab::gimbal::{self as lab, Disturbance, Method, Sampling, Search, Start, Study, Trajectory};
 
-use super::gimbal::{coefficients, model_from, refused, settings_from, triples};
+use super::gimbal::{coefficients, refused, triples};
+use super::gimbal_settings::{model_from, settings_from};
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(gimbal_rotation, module)?)?;

@@ -12,12 +12,14 @@ mod export;
 mod filter;
 mod gimbal;
 mod gimbal_parts;
+mod gimbal_settings;
 mod inspect;
 mod logs;
 mod observability;
 mod rate_table;
 mod recursive;
 mod servo;
+mod servo_filters;
 mod servo_objects;
 
 /// The compiled half of the Python package.
@@ -34,6 +36,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     drift::register(module)?;
     export::register(module)?;
     servo::register(module)?;
+    servo_filters::register(module)?;
     observability::register(module)?;
     recursive::register(module)?;
     Ok(())

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use stillrate_lab::logs::blackbox;
+use stillrate_lab::logs::blackbox::{self, Values};
 use stillrate_lab::logs::delimited::{self, Column, ReadError};
 use stillrate_lab::logs::timebase;
 use stillrate_lab::logs::writer::{self, Style};
@@ -19,21 +19,28 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(time_steps, module)?)
 }
 
-/// Reads a blackbox file: its flights (firmware, stamps, names, columns), and why others cannot be read.
+/// Reads a blackbox file: its longest flight (None if there is none), the number of flights, and why others cannot be read.
 #[pyfunction]
-fn read_blackbox<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<(Bound<'py, PyList>, Vec<String>)> {
+fn read_blackbox<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<(Option<Bound<'py, PyDict>>, usize, Vec<String>)> {
     let found = py.detach(|| blackbox::read(bytes));
-    let flights = PyList::empty(py);
-    for flight in found.flights {
-        let dict = PyDict::new(py);
-        dict.set_item("firmware", flight.firmware)?;
-        dict.set_item("time_us", PyArray1::from_vec(py, flight.time_us))?;
-        dict.set_item("names", flight.names)?;
-        let columns = flight.columns.into_iter().map(|column| PyArray1::from_vec(py, column));
-        dict.set_item("columns", PyList::new(py, columns)?)?;
-        flights.append(dict)?;
+    let Some(flight) = found.longest else { return Ok((None, found.count, found.unreadable)) };
+    let columns = PyList::empty(py);
+    for column in flight.columns {
+        match column {
+            Values::Physical(values) => columns.append(PyArray1::from_vec(py, values))?,
+            Values::Signed(values) => columns.append(PyArray1::from_vec(py, values))?,
+            Values::Unsigned(values) => columns.append(PyArray1::from_vec(py, values))?,
+        }
     }
-    Ok((flights, found.unreadable))
+    let dict = PyDict::new(py);
+    dict.set_item("firmware", flight.firmware)?;
+    dict.set_item("time_us", PyArray1::from_vec(py, flight.time_us))?;
+    dict.set_item("names", flight.names)?;
+    dict.set_item("columns", columns)?;
+    dict.set_item("damaged_places", flight.damaged_places)?;
+    dict.set_item("ended", flight.ended)?;
+    dict.set_item("full", flight.full)?;
+    Ok((Some(dict), found.count, found.unreadable))
 }
 
 /// Reads delimited text: columns (arrays of int64 or float64, lists of words), and how the file is written.

@@ -7,7 +7,6 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use stillrate::{ConfigError, GyroNoise};
 use stillrate_lab::servo::PlatformDesign;
-use stillrate_lab::servo::describing::describe;
 use stillrate_lab::servo::family::standard;
 use stillrate_lab::servo::loop_filter::{by_name, linear_equivalent};
 use stillrate_lab::servo::measure;
@@ -32,9 +31,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(servo_families, module)?)?;
     module.add_function(wrap_pyfunction!(servo_tune, module)?)?;
     module.add_function(wrap_pyfunction!(servo_validate, module)?)?;
-    module.add_function(wrap_pyfunction!(servo_tilt_table, module)?)?;
-    module.add_function(wrap_pyfunction!(servo_integration_error, module)?)?;
-    module.add_function(wrap_pyfunction!(servo_describe, module)?)
+    module.add_function(wrap_pyfunction!(servo_tilt_table, module)?)
 }
 
 /// Numbers of a named parameter set, or of a design given as numbers by name.
@@ -177,6 +174,7 @@ fn servo_tune<'py>(
     budget_percent: f64,
     effort: (usize, usize, usize, u64),
     seeds: Vec<u64>,
+    starts: Vec<(Bound<'py, PyAny>, Vec<f64>)>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (bench, family) = (bench_from(bench)?, family_from(family)?);
@@ -185,7 +183,8 @@ fn servo_tune<'py>(
         let error = ConfigError::new("population", population as f64, "", "at least 4, with at least 1 restart");
         return Err(refused(py, error));
     }
-    let task = Task { budget_percent, effort: Effort { population, generations, restarts, seed }, seeds };
+    let starts = starts.iter().map(|(gains, open)| design_from(gains, open.clone())).collect::<PyResult<_>>()?;
+    let task = Task { budget_percent, effort: Effort { population, generations, restarts, seed }, seeds, starts };
     let mut raised = None;
     let found = py.detach(|| {
         tuner::tune(&bench, &family, &task, &mut |done| {
@@ -271,48 +270,4 @@ fn servo_tilt_table(
     let design = design_from(controller, parameters)?;
     py.detach(|| study::tilt_table(&bench, &family, &design, &tilts_deg, duration_s, &seeds))
         .map_err(|e| refused(py, e))
-}
-
-/// Error added by integrating the filter's output of amplitude sin(2 pi f t), deg.
-#[pyfunction]
-fn servo_integration_error(
-    py: Python<'_>,
-    bench: &Bound<'_, PyAny>,
-    family: &Bound<'_, PyAny>,
-    parameters: Vec<f64>,
-    motion: (f64, f64),
-    duration_s: f64,
-    seeds: Vec<u64>,
-) -> PyResult<f64> {
-    use stillrate::Real;
-    let (bench, family) = (bench_from(bench)?, family_from(family)?);
-    let (amplitude, frequency) = motion;
-    let rate = |t: f64| amplitude * (std::f64::consts::TAU * frequency * t).sine_cosine().0;
-    py.detach(|| study::integration_error_deg(&bench, &family, &parameters, rate, duration_s, &seeds))
-        .map_err(|e| refused(py, e))
-}
-
-/// Gain and phase (deg) of a filter's first harmonic at each amplitude.
-#[pyfunction]
-fn servo_describe(
-    py: Python<'_>,
-    filter: &Bound<'_, PyList>,
-    sample_rate_hz: f64,
-    frequency_hz: f64,
-    amplitudes_dps: Vec<f64>,
-    noise_sigma_dps: f64,
-    run: (usize, u64),
-) -> PyResult<Vec<(f64, f64)>> {
-    let mut filter = by_name(&chain_from(filter)?).map_err(|e| refused(py, e))?;
-    for (name, value) in [("sample_rate_hz", sample_rate_hz), ("frequency_hz", frequency_hz)] {
-        stillrate::error::positive(name, value, "Hz").map_err(|e| refused(py, e))?;
-    }
-    let (periods, seed) = run;
-    Ok(py.detach(|| {
-        amplitudes_dps
-            .iter()
-            .map(|a| describe(&mut *filter, sample_rate_hz, frequency_hz, *a, noise_sigma_dps, periods, seed))
-            .map(|h| (h.gain, h.phase_deg))
-            .collect()
-    }))
 }

@@ -199,10 +199,7 @@ fn outer<T: Real>(a: [T; 4], b: [T; 4]) -> [T; 10] {
 /// Prior probabilities c_j = sum_i pi_ij mu_i of two models, and the weights pi_0j mu_0 / c_j of the first source.
 #[inline(always)]
 pub(crate) fn interact<T: Real>(transition: &[[T; 2]; 2], probability: &[T; 2]) -> ([T; 2], [T; 2]) {
-    let prior = [
-        transition[0][0] * probability[0] + transition[1][0] * probability[1],
-        transition[0][1] * probability[0] + transition[1][1] * probability[1],
-    ];
+    let prior = prior2(transition, probability);
     // A target that no source reaches keeps an even mixture, not 0/0.
     let share = |j: usize| {
         let reachable = prior[j] > T::ZERO;
@@ -210,6 +207,41 @@ pub(crate) fn interact<T: Real>(transition: &[[T; 2]; 2], probability: &[T; 2]) 
         T::select(reachable, weight, T::HALF)
     };
     (prior, [share(0), share(1)])
+}
+
+/// Two weights as probabilities.
+#[inline(always)]
+pub(crate) fn normalised<T: Real>(weight: &[T; 2]) -> [T; 2] {
+    let inverse = T::ONE / (weight[0] + weight[1]);
+    [(weight[0] * inverse).flushed(), (weight[1] * inverse).flushed()]
+}
+
+/// Prior probabilities of two models, as [`interact`] has them.
+#[inline(always)]
+pub(crate) fn prior2<T: Real>(transition: &[[T; 2]; 2], probability: &[T; 2]) -> [T; 2] {
+    [
+        transition[0][0] * probability[0] + transition[1][0] * probability[1],
+        transition[0][1] * probability[0] + transition[1][1] * probability[1],
+    ]
+}
+
+/// The shares of the first source in both targets, from weights that need not be probabilities: one division lies between the last
+/// sample's evidence and the next mixture instead of two.
+#[inline(always)]
+pub(crate) fn shares<T: Real>(transition: &[[T; 2]; 2], weight: &[T; 2]) -> [T; 2] {
+    core::array::from_fn(|j| {
+        // A target that no source reaches takes the first one, not 0/0.
+        let first = (transition[0][j] * weight[0]).most(T::TINY);
+        first / (first + transition[1][j] * weight[1])
+    })
+}
+
+/// Posterior weights of two models, not normalised: prior times likelihood, in units of what the first one's exponential is.
+///
+/// Erratum: see [`weigh2`].
+#[inline(always)]
+pub(crate) fn judged<T: Real>(prior: &[T; 2], exponent: &[T; 2], factor: &[T; 2]) -> [T; 2] {
+    [prior[0] * factor[0], prior[1] * factor[1] * (exponent[1] - exponent[0]).doubling()]
 }
 
 /// Mixture of two states, the first with weight `w`.
@@ -245,7 +277,7 @@ pub(crate) fn mix3<T: Real>(w: T, a: &Gaussian3<T>, b: &Gaussian3<T>) -> Gaussia
 #[inline(always)]
 pub(crate) fn weigh2<T: Real>(prior: &[T; 2], exponent: &[T; 2], factor: &[T; 2], used: bool) -> [T; 2] {
     let difference = exponent[1] - exponent[0];
-    let lesser = (-difference.magnitude()).decay();
+    let lesser = (-difference.magnitude()).doubling();
     let first = prior[0] * factor[0] * T::select(difference > T::ZERO, lesser, T::ONE);
     let second = prior[1] * factor[1] * T::select(difference > T::ZERO, T::ONE, lesser);
     let inverse = T::ONE / (first + second);

@@ -13,7 +13,7 @@ use crate::real::Real;
 pub(crate) struct Evidence<T> {
     pub(crate) innovation: T,
     pub(crate) innovation_variance: T,
-    /// -1/2 innovation^2 / variance.
+    /// -1/2 innovation^2 / variance, as a power of two.
     pub(crate) exponent: T,
     /// Factor of the likelihood besides the exponential: 1 / sqrt(variance).
     pub(crate) factor: T,
@@ -33,6 +33,9 @@ pub(crate) struct Reading<T> {
 /// Outliers have this many times the variance of ordinary noise, in addition to it (specification 4.2).
 const OUTLIER_VARIANCE: f64 = 1e4;
 
+/// -1/2 log2 e: a Gaussian's exponent as a power of two.
+const HALF_IN_BITS: f64 = -0.5 * core::f64::consts::LOG2_E;
+
 /// Singer prediction: F = [[1, r], [0, s]], Q = `intensity` times the unit process noise.
 #[inline(always)]
 pub(crate) fn predict_singer<T: Real>(
@@ -49,6 +52,36 @@ pub(crate) fn predict_singer<T: Real>(
             p00 + step.r * (p01 + p01r) + intensity * step.q11,
             step.s * p01r + intensity * step.q12,
             step.s * step.s * p11 + intensity * step.q22,
+        ],
+    }
+}
+
+/// Mixes the states of two Singer models, the first with weight `w`, and predicts the mixture; the noise is part of `step`.
+///
+/// The predicted variance of the rate is what everything waits for. It is linear in the sources' covariances, so each source is
+/// carried forward first, while `w` is still being computed; the rest is mixed, then carried.
+#[inline(always)]
+pub(crate) fn mix_ahead<T: Real>(
+    w: T,
+    a: &Gaussian2<T>,
+    b: &Gaussian2<T>,
+    step: &SingerCoefficients<T>,
+) -> Gaussian2<T> {
+    let v = T::ONE - w;
+    let spread = w * v;
+    let d: [T; 2] = core::array::from_fn(|k| a.mean[k] - b.mean[k]);
+    let ahead = |p: &[T; 3]| p[0] + step.r * (p[1] + (p[1] + step.r * p[2])) + step.q11;
+    let apart = d[0] + step.r * d[1];
+    let mean: [T; 2] = core::array::from_fn(|k| w * a.mean[k] + v * b.mean[k]);
+    let mixed = |k: usize, product: T| w * a.covariance[k] + v * b.covariance[k] + spread * product;
+    let p11 = mixed(2, d[1] * d[1]);
+    let p01 = mixed(1, d[0] * d[1]) + step.r * p11;
+    Gaussian2 {
+        mean: [mean[0] + step.r * mean[1], step.s * mean[1]],
+        covariance: [
+            w * ahead(&a.covariance) + v * ahead(&b.covariance) + spread * (apart * apart),
+            step.s * p01 + step.q12,
+            step.s * step.s * p11 + step.q22,
         ],
     }
 }
@@ -93,7 +126,7 @@ fn weigh<T: Real>(predicted_rate: T, rate_variance: T, reading: &Reading<T>) -> 
     let variance = rate_variance + reading.variance;
     let inverse = T::ONE / variance;
     let square = innovation * innovation;
-    let exponent = -T::HALF * square * inverse;
+    let exponent = T::of(HALF_IN_BITS) * square * inverse;
     let plain =
         Evidence { innovation, innovation_variance: variance, exponent, factor: inverse.root(), outlier: T::ZERO };
     if reading.outlier_probability == T::ZERO {
@@ -103,10 +136,10 @@ fn weigh<T: Real>(predicted_rate: T, rate_variance: T, reading: &Reading<T>) -> 
     // mixture's (probabilistic data association with a diffuse second component).
     let wide = variance + reading.variance * T::of(OUTLIER_VARIANCE);
     let wide_inverse = T::ONE / wide;
-    let wide_exponent = -T::HALF * square * wide_inverse;
+    let wide_exponent = T::of(HALF_IN_BITS) * square * wide_inverse;
     let highest = exponent.most(wide_exponent);
-    let good = (T::ONE - reading.outlier_probability) * (exponent - highest).exponential() * plain.factor;
-    let bad = reading.outlier_probability * (wide_exponent - highest).exponential() * wide_inverse.root();
+    let good = (T::ONE - reading.outlier_probability) * (exponent - highest).doubling() * plain.factor;
+    let bad = reading.outlier_probability * (wide_exponent - highest).doubling() * wide_inverse.root();
     let outlier = bad / (good + bad);
     let ordinary = T::ONE - outlier;
     let move_by = ordinary * inverse + outlier * wide_inverse;

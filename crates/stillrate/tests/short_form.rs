@@ -18,9 +18,9 @@ fn record<T: Real>(channel: u64) -> Vec<T> {
             T::of(match k {
                 0 => -0.0,
                 20_000..52_000 => 0.0,
-                52_000.. if (k + channel) % 97 == 0 => f64::NAN,
-                52_000.. if (k + channel) % 1013 == 0 => f64::INFINITY,
-                52_000.. if (k + channel) % 1511 == 0 => 1e300,
+                52_000.. if (k + channel).is_multiple_of(97) => f64::NAN,
+                52_000.. if (k + channel).is_multiple_of(1013) => f64::INFINITY,
+                52_000.. if (k + channel).is_multiple_of(1511) => 1e300,
                 56_000.. => 100.0 + x,
                 _ => x,
             })

@@ -17,6 +17,8 @@ COMMANDS = {
     "demo": "Clean a simulated log by several methods and show why to trust the result.",
     "export-c": "Write a configuration as C and Rust source for firmware, with a self-test.",
     "filter": "Clean a gyro log: same rows and columns, the rates filtered.",
+    "fleet": "Clean a folder of logs on all cores or on a cluster; continue where it stopped.",
+    "live": "Clean samples as they come, from stdin, UDP or a serial port.",
     "platform": "Compare filters in the loop of a stabilised platform, with pictures.",
     "reproduce": "Compute published figures again and print them beside ours.",
     "simulate": "Write a simulated gyro log of which the truth is known.",
@@ -32,8 +34,8 @@ CALIBRATIONS: dict[str, str] = {
 """Kind -> one line of help; the module is ``stillrate.cli.calibrate_KIND``."""
 
 
-def build() -> App:
-    """Build the command line."""
+def build(chosen: str | None = None) -> App:
+    """Build the command line; the help of the command that is chosen is its docstring, the others' one line."""
     from stillrate import __version__
 
     app = App(
@@ -44,7 +46,8 @@ def build() -> App:
         help_format="plaintext",
     )
     for name, summary in COMMANDS.items():
-        app.command(f"stillrate.cli.{name.replace('-', '_')}:command", name=name, help=summary)
+        words = None if name == chosen else summary
+        app.command(f"stillrate.cli.{name.replace('-', '_')}:command", name=name, help=words)
     if CALIBRATIONS:
         calibrate = App(name="calibrate", help="Calibrate a sensor, a sensor head or a platform.")
         for name, summary in CALIBRATIONS.items():
@@ -65,9 +68,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from stillrate.cli.problems import UsageError, one_line
     from stillrate.errors import ConfigError, LogError
 
+    words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        result = build()(
-            list(sys.argv[1:] if arguments is None else arguments),
+        result = build(chosen=words[0] if words else None)(
+            words,
             exit_on_error=False,
             print_error=False,
             result_action="return_value",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, ReadOptions, refuse_taken
+from stillrate.cli.options import Force, ReadOptions, load_settings, refuse_taken
 from stillrate.cli.problems import UsageError
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def command(
     refuse_taken([output, *([report] if report else [])], force=force)
     if source.exists() and source.resolve() == output.resolve():
         raise UsageError(f"{output}: is the input itself")
-    given = _load(config) if config is not None else None
+    given = load_settings(config) if config is not None else None
     log = reading.read(source)
     configs, notes = settings_for(log, method=method, config=given)
     done = _run(log, configs, tuple(notes), views=report is not None, quiet=quiet)
@@ -90,17 +90,6 @@ def command(
             soft_wrap=True,
         )
     return 0
-
-
-def _load(path: Path) -> Config:
-    from stillrate.config import load_config
-    from stillrate.errors import ConfigError
-
-    try:
-        return load_config(path)
-    except ConfigError as error:
-        text = str(error)
-        raise ConfigError(text if text.startswith(str(path)) else f"{path}: {text}") from None
 
 
 def _run(log: Log, configs: dict[str, Config], notes: tuple[str, ...], *, views: bool, quiet: bool) -> Cleaned:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from stillrate.cli.problems import UsageError
 
 if TYPE_CHECKING:
+    from stillrate.config import Config
     from stillrate.io import Log
 
 
@@ -43,8 +44,18 @@ class ReadOptions:
         """Read a log with these options."""
         from stillrate.io import read
 
+        return read(path, **self.arguments())
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the options as arguments of `stillrate.read`."""
         columns = [name.strip() for name in self.columns.split(",")] if self.columns else None
-        return read(path, rate_hz=self.rate, columns=columns, time=self.time, unit=self.unit, time_unit=self.time_unit)
+        return {
+            "rate_hz": self.rate,
+            "columns": columns,
+            "time": self.time,
+            "unit": self.unit,
+            "time_unit": self.time_unit,
+        }
 
 
 Force = Annotated[bool, Parameter(negative="", help="Overwrite existing files.")]
@@ -63,4 +74,16 @@ def refuse_taken(paths: list[Path], *, force: bool) -> None:
         refuse_existing(path, force=force)
 
 
-__all__ = ["Force", "ReadOptions", "refuse_taken"]
+def load_settings(path: Path) -> Config:
+    """Read a configuration; what is wrong with it names the file."""
+    from stillrate.config import load_config
+    from stillrate.errors import ConfigError
+
+    try:
+        return load_config(path)
+    except ConfigError as error:
+        text = str(error)
+        raise ConfigError(text if text.startswith(str(path)) else f"{path}: {text}") from None
+
+
+__all__ = ["Force", "ReadOptions", "load_settings", "refuse_taken"]

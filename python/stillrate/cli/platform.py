@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     from stillrate.platform import Recorded, Run, Setup
     from stillrate.platform.study import Design, Result, Study
 
-EFFORTS = {"quick": (12, 10, 1), "normal": (16, 24, 3), "thorough": (24, 40, 3)}
+EFFORTS = {"quick": (12, 10, 1), "normal": (16, 40, 2), "thorough": (24, 60, 3)}
 """Population, generations, restarts of the search: one effort for every filter of a table."""
+BUDGETS = {"platform": (0.05, 0.02), "gimbal": (0.002,)}
+"""Rest jitter allowed where none is given, percent of the supply."""
 
 
 def command(
@@ -44,15 +46,15 @@ def command(
     rate
         Control rate in Hz.
     budget
-        Rest jitter allowed, percent of the supply voltage; may be repeated. Default 0.05 and 0.02.
+        Rest jitter allowed, percent of the supply voltage; may be repeated. Default 0.05 and 0.02 (gimbal: 0.002).
     filters
         Names separated by commas; default all.
     tune
-        Tune controller and filter anew, with the same effort for every filter.
+        Tune controller and filter anew, with the same effort for every filter; each begins with its shipped designs.
     effort
         quick, normal or thorough.
     gimbal
-        A small camera gimbal at 200 Hz in place of the 30 kg platform (always tuned).
+        A small camera gimbal at 200 Hz in place of the 30 kg platform.
     recording
         A log whose rate moves the base as well.
     column
@@ -67,6 +69,7 @@ def command(
     from rich.console import Console
 
     from stillrate.platform import Setup
+    from stillrate.platform.study import GIMBAL, PLATFORM
 
     if effort not in EFFORTS:
         raise UsageError(f"--effort {effort} (must be one of {', '.join(EFFORTS)})")
@@ -76,7 +79,7 @@ def command(
     setup = Setup.camera_gimbal() if gimbal else Setup(sample_rate_hz=rate)
     motion = _recorded(recording, column, setup) if recording is not None else None
     console = Console(stderr=True, quiet=quiet)
-    designs = _designs(setup, budget, filters, tune or gimbal, effort, console)
+    designs = _designs(setup, budget, filters, GIMBAL if gimbal else PLATFORM, effort if tune else None, console)
     found = _measured(setup, designs, seeds, motion, console)
     _show(found)
     if report is not None:
@@ -99,7 +102,7 @@ def _recorded(path: Path, column: str | None, setup: Setup) -> Recorded:
 
 
 def _designs(
-    setup: Setup, budgets: list[float] | None, names: str | None, anew: bool, effort: str, console: Console
+    setup: Setup, budgets: list[float] | None, names: str | None, plant: str, effort: str | None, console: Console
 ) -> list[Design]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -111,31 +114,29 @@ def _designs(
     unknown = [name for name in wanted if name not in families(setup)]
     if unknown:
         raise UsageError(f"--filters {unknown[0]} (must be among {', '.join(families(setup))})")
-    if not anew:
-        chosen = [
-            design
-            for design in SHIPPED
-            if design.family in wanted
-            and design.sample_rate_hz == setup.sample_rate_hz
-            and (budgets is None or design.budget_percent in budgets)
-        ]
+    known = [d for d in SHIPPED if d.plant == plant and d.sample_rate_hz == setup.sample_rate_hz]
+    if effort is None:
+        chosen = [d for d in known if d.family in wanted and (budgets is None or d.budget_percent in budgets)]
         if not chosen:
             raise UsageError("no shipped design for this rate, budget and filter: add --tune")
         return chosen
     population, generations, restarts = EFFORTS[effort]
+    budgets = budgets or list(BUDGETS[plant])
     each = population * (generations + 1) * restarts
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     found: list[Design] = []
     with Progress(*columns, console=console) as bar:
-        task = bar.add_task("tuning", total=each * len(wanted) * len(budgets or (0.05, 0.02)))
-        for budget in budgets or (0.05, 0.02):
+        task = bar.add_task("tuning", total=each * len(wanted) * len(budgets))
+        for budget in budgets:
             for name in wanted:
                 before = bar.tasks[0].completed
 
                 def step(family: str, done: int, before: float = before, budget: float = budget) -> None:
                     bar.update(task, completed=before + done, description=f"tuning {family} at {budget:g} %")
 
-                found += tune_all([name], budget, setup=setup, effort=EFFORTS[effort], progress=step)
+                found += tune_all(
+                    [name], budget, setup=setup, effort=EFFORTS[effort], progress=step, known_designs=known
+                )
     return found
 
 
@@ -161,7 +162,14 @@ def _measured(setup: Setup, designs: list[Design], seeds: int, motion: Recorded 
     described = tuple(describing_test(setup)) if setup.sample_rate_hz == 50.0 else ()
     notes = tuple(dict.fromkeys(text for _, run in (*runs, *recorded) for text in run.warnings))
     return Study(
-        setup=setup, results=results, fixed=fixed, describing=described, runs=runs, recorded=recorded, notes=notes
+        setup=setup,
+        results=results,
+        fixed=fixed,
+        describing=described,
+        runs=runs,
+        recorded=recorded,
+        notes=notes,
+        seeds=seeds,
     )
 
 
@@ -183,13 +191,16 @@ def _name(design: Design) -> str:
 def _show(study: Study) -> None:
     from rich.console import Console
 
+    from stillrate.platform.findings import findings
     from stillrate.platform.tables import fixed_table, results_table, tilts_table
 
-    out = Console(width=150, soft_wrap=True)
+    out = Console(width=165, soft_wrap=True)
     out.print(results_table(study))
     out.print(tilts_table(study))
     if study.fixed:
         out.print(fixed_table(study))
+    for text in findings(study.results):
+        out.print(text, highlight=False, markup=False)
     for name, run in study.recorded:
         out.print(
             f"recorded base, {name}: rms {run.residual_deg[0]:.3f}, max {run.residual_deg[1]:.2f} deg",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
@@ -21,11 +22,16 @@ STUDIES = {
 """Name -> module in `stillrate.reproduce`, its function, one line of help."""
 
 
+PIPE_WIDTH = 132
+"""Columns where the output is no terminal."""
+
+
 def command(name: Annotated[str | None, Parameter(help="Which study; without it, they are listed.")] = None) -> None:
     """Compute published figures again and print them beside ours."""
     from rich.console import Console
 
-    console = Console()
+    # A pipe has no width of its own: tables keep theirs.
+    console = Console() if sys.stdout.isatty() else Console(width=PIPE_WIDTH)
     if name is None:
         for study, (_, _, summary) in STUDIES.items():
             console.print(f"{study:<12} {summary}")

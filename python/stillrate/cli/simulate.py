@@ -21,6 +21,8 @@ def command(
     channels: int = 1,
     duration: float | None = None,
     density: float | None = None,
+    bias_instability: float | None = None,
+    rate_random_walk: float | None = None,
     lsb: float = 0.0,
     saturation: float = float("inf"),
     missing: float = 0.0,
@@ -44,6 +46,10 @@ def command(
         Length in s; default that of the bed.
     density
         Two-sided density of the white noise in deg/s/sqrt(Hz).
+    bias_instability
+        Flicker noise in deg/s, instead of the usual Gauss-Markov bias of 0.01 deg/s over 20 s.
+    rate_random_walk
+        Rate random walk in deg/s/sqrt(s).
     lsb
         Quantisation step in deg/s.
     saturation
@@ -67,6 +73,10 @@ def command(
     gyro = simulate.GyroModel(lsb_dps=lsb, saturation_dps=saturation, missing_probability=missing)
     if density is not None:
         gyro = dataclasses.replace(gyro, density_dps_sqrt_hz=density)
+    if bias_instability is not None:
+        gyro = dataclasses.replace(gyro, bias_instability_dps=bias_instability, bias_sigma_dps=0.0)
+    if rate_random_walk is not None:
+        gyro = dataclasses.replace(gyro, rate_random_walk_dps_sqrt_s=rate_random_walk)
     beds = [simulate.bed(bed, rate, seed + axis, duration_s=duration, noise=gyro) for axis in range(channels)]
     log = io.Log(
         t_s=beds[0].t_s,

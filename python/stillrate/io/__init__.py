@@ -35,6 +35,8 @@ _FORMATS: Mapping[str, str] = {
     ".mcap": "rosbag",
     ".bag": "rosbag",
     ".db3": "rosbag",
+    ".bbl": "blackbox",
+    ".bfl": "blackbox",
     ".h5": "hdf5",
     ".hdf5": "hdf5",
     ".mat": "matlab",

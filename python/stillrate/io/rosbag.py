@@ -20,8 +20,8 @@ def read(path: Path) -> Table:
         path = path.parent
     for file in [path] if path.is_file() else [item for item in path.iterdir() if item.is_file()]:
         within_bounds(file)
-    if path.suffix.lower() == ".mcap":
-        refuse_zeros_at_end(path)
+        if file.suffix.lower() in (".mcap", ".bag") or (file.suffix.lower() == ".db3" and _longer_than_its_pages(file)):
+            refuse_zeros_at_end(file)
     highlevel = needs("rosbags.highlevel", "logs", "a ROS bag")
     try:
         with highlevel.AnyReader([path], default_typestore=_types()) as reader:
@@ -30,6 +30,16 @@ def read(path: Path) -> Table:
         raise
     except Exception as error:  # the library's own errors, and those of sqlite, lz4, struct on damaged files
         raise LogError(f"not a readable bag ({first_line(error)})") from None
+
+
+def _longer_than_its_pages(path: Path) -> bool:
+    """Whether there is more in a database file than its header tells (size of a page, number of pages)."""
+    with path.open("rb") as file:
+        head = file.read(32)
+    if len(head) < 32:
+        return False
+    page, count = int.from_bytes(head[16:18], "big"), int.from_bytes(head[28:32], "big")
+    return path.stat().st_size > (65536 if page == 1 else page) * count > 0
 
 
 def _types() -> Any:

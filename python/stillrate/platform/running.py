@@ -100,6 +100,7 @@ def run(
 
     Examples
     --------
+    >>> from stillrate.platform import LoopPt1, Sine
     >>> swing = run(Sine(amplitude_deg=10.0, frequency_hz=1.0), filter=LoopPt1(cutoff_hz=5.3))
     >>> swing.record.shape
     (400, 8)

@@ -22,8 +22,12 @@ from stillrate.platform.tuning import (
 
 FIXED_CONTROLLER = Controller(kappa=0.17, ko_per_s=0.3, kvi_per_s=74.0, kd_s=0.65e-3)
 """The controller that every filter gets in the test with the controller fixed."""
+BANK = "ms-imm-ikf"
+"""The default bank's name in that test."""
 TILTS_DEG = (20.0, 15.0, 10.0, 5.0)
 TILT_S = 0.4
+PLATFORM, GIMBAL = "platform", "gimbal"
+"""Plants that designs are shipped for: the paper's 30 kg platform, and a small camera gimbal."""
 DESCRIBED_HZ = 3.0
 AMPLITUDES_DPS = (0.05, 0.3, 2.0, 60.0)
 
@@ -40,6 +44,13 @@ class Design:
     feasible: bool = True
     evaluations: int = 0
     """Search effort that found it; compare only designs of like effort closely."""
+    plant: str = PLATFORM
+    """`PLATFORM` or `GIMBAL`."""
+
+
+def setup_of(design: Design) -> Setup:
+    """Return the setup that a design was tuned on."""
+    return Setup.camera_gimbal() if design.plant == GIMBAL else Setup(sample_rate_hz=design.sample_rate_hz)
 
 
 @dataclass(frozen=True)
@@ -65,6 +76,7 @@ class Study:
     runs: tuple[tuple[str, Run], ...] = ()
     recorded: tuple[tuple[str, Run], ...] = ()
     notes: tuple[str, ...] = field(default=())
+    seeds: int = len(VALIDATION_SEEDS)
 
 
 def tune_all(
@@ -74,8 +86,9 @@ def tune_all(
     setup: Setup,
     effort: tuple[int, int, int],
     progress: Callable[[str, int], None],
+    known_designs: Sequence[Design] = (),
 ) -> list[Design]:
-    """Tune families with one effort (population, generations, restarts)."""
+    """Tune families with one effort (population, generations, restarts), each beginning with its own known designs."""
     known = families(setup)
     evaluations = effort[0] * (effort[1] + 1) * effort[2]
     designs = []
@@ -87,6 +100,7 @@ def tune_all(
             population=effort[0],
             generations=effort[1],
             restarts=effort[2],
+            starts=[(design.controller, design.parameters) for design in known_designs if design.family == name],
             progress=lambda done, name=name: progress(name, done),  # type: ignore[misc]
         )
         designs.append(
@@ -98,6 +112,7 @@ def tune_all(
                 setup.sample_rate_hz,
                 found.feasible,
                 evaluations,
+                known_designs[0].plant if known_designs else PLATFORM,
             )
         )
     return designs
@@ -160,7 +175,7 @@ def fixed_families(setup: Setup) -> list[Family]:
         one("AR(1)-KF", "ar-kf", **ar1),
         one("singer-imm-kf", "singer-imm-kf", **preset),
         one("one-euro", "one-euro"),
-        one("ms-imm-ikf", "ms-imm-ikf"),
+        one(BANK, "ms-imm-ikf"),
     ]
 
 
@@ -184,7 +199,7 @@ def describing_test(setup: Setup) -> list[tuple[str, tuple[tuple[float, float], 
     ]
 
 
-def show(design: Design, base: Base, *, setup: Setup, duration_s: float, seed: int = 770_001) -> Run:
+def show(design: Design, base: Base, *, setup: Setup, duration_s: float, seed: int = VALIDATION_SEEDS[0]) -> Run:
     """Run a design once, to be looked at."""
     from stillrate.platform.running import run_links
 

@@ -18,7 +18,7 @@ def results_table(study: Study) -> Table:
     table = Table(
         title=f"{setup.amplitude_deg:g} deg at {setup.frequency_hz:g} Hz, control at {setup.sample_rate_hz:g} Hz; "
         "validation seeds, smallest - largest in brackets",
-        caption="rest jitter: % of the supply, 6 to 14 s after a 15 deg tilt; * not every constraint met",
+        caption="rest jitter: % of the supply, 6 to 14 s after a 15 deg tilt; search: evaluations; * not every constraint met",
     )
     table.add_column("filter (budget %)")
     heads = (
@@ -31,6 +31,7 @@ def results_table(study: Study) -> Table:
         "DM ms",
         "level deg",
         "added deg",
+        "search",
     )
     _numbers(table, heads)
     for result in study.results:
@@ -46,6 +47,7 @@ def results_table(study: Study) -> Table:
             f"{row.delay_margin_ms:g}",
             f"{row.levelling_deg[0]:.2f}",
             f"{result.added_deg[0]:.3f}/{result.added_deg[1]:.3f}",
+            str(design.evaluations),
         )
     return table
 

@@ -54,7 +54,8 @@ class AxisFigures:
         if self.in_motion:
             ratio = "never at rest"
         elif self.after_dps > 0:
-            ratio = f"{self.before_dps / self.after_dps:.3g}x"
+            times = self.before_dps / self.after_dps
+            ratio = f"{times:,.0f}x" if times >= 100 else f"{times:.3g}x"
         else:
             ratio = "-"
         return [

@@ -7,12 +7,14 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stillrate import __version__
 from stillrate.gimbal import Calibration
 from stillrate.io.safely import atomic
 
 UNITS = {
-    "phi": ("rad", 1.0), "kg0": ("deg/h", 206264.80624709636), "kgI": ("deg/h/g", 206264.80624709636),
+    "phi": ("urad", 1e6), "kg0": ("deg/h", 206264.80624709636), "kgI": ("deg/h/g", 206264.80624709636),
     "kgO": ("deg/h/g", 206264.80624709636), "kgS": ("deg/h/g", 206264.80624709636), "do_": ("urad", 1e6), "ds_": ("urad", 1e6),
     "thp": ("urad", 1e6), "tho": ("urad", 1e6), "ka0": ("ug", 1e6 / 9.80665), "ka1": ("ppm", 1e6), "tq_": ("ppm", 1e6),
     "ka2": ("ug/g^2", 9.80665e6), "lat": ("", 1.0),
@@ -20,6 +22,9 @@ UNITS = {
 """First three letters of a name -> the unit people read it in, and its factor from SI."""
 
 _POINTS = 240
+_HELD = "held"
+_OFF = 40.0
+"""Curves leave the frame instead of running along its edge; so far outside they are cut."""
 
 
 def unit(name: str) -> tuple[str, float]:
@@ -40,13 +45,16 @@ def render(found: Calibration, source: str, method: str) -> str:
     body = [
         f"<h1>{html.escape(title)}</h1><p>{html.escape(lead)}</p>",
         _flags(found),
-        "<h2>Coefficients</h2>",
+        "<h2>Coefficients</h2><p>phi: attitude of the true against the commanded frame, at the start for the recommended and the batch "
+        "method. bound: Cramer-Rao bound of this run.</p>",
         _table(found),
     ]
     if len(found.history.time_s) > 1:
         body += ["<h2>How each grew</h2><p>Line: estimate less its last value. Band: two standard deviations, where the method keeps "
                  "them. The vertical scale is set by the second half of the run.</p>", _pictures(found)]  # fmt: skip
-    body += ["<h2>Weakest directions</h2>", _weakest(found), f"<p>stillrate {__version__}</p>"]
+    if found.weakest:
+        body += ["<h2>Weakest directions</h2>", _weakest(found)]
+    body += [f"<p>stillrate {__version__}</p>"]
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -81,10 +89,17 @@ def _tests(found: Calibration) -> str:
 
 
 def _flags(found: Calibration) -> str:
-    if not found.flags:
-        return ""
-    rows = "".join(f"<li><b>{html.escape(k)}</b>: {html.escape(v)}</li>" for k, v in found.flags.items())
-    return f"<h2>Flags</h2><ul>{rows}</ul>"
+    """List what is wrong, worst first; what the gauge holds is a convention, not a fault."""
+    held = [name for name, text in found.flags.items() if text.startswith(_HELD)]
+    order = ("diverged", "residuals", "hidden")
+    wrong = sorted(
+        ((name, text) for name, text in found.flags.items() if name not in held),
+        key=lambda flag: next((i for i, word in enumerate(order) if flag[0].startswith(word)), len(order)),
+    )
+    rows = "".join(f"<li><b class='bad'>{html.escape(k)}</b>: {html.escape(v)}</li>" for k, v in wrong)
+    listed = f"<ul>{rows}</ul>" if rows else "<p>Nothing is flagged.</p>"
+    convention = f"<p>Held at zero by the gauge: {', '.join(map(html.escape, held))}.</p>" if held else ""
+    return f"<h2>Flags</h2>{listed}{convention}"
 
 
 def _table(found: Calibration) -> str:
@@ -94,7 +109,13 @@ def _table(found: Calibration) -> str:
     for name, value, deviation, limit in columns:
         label, factor = unit(name)
         flag = found.flags.get(name, "")
-        numbers = "".join(f"<td>{x:.6g}</td>" for x in (value * factor, deviation * factor, limit * factor))
+        if flag.startswith(_HELD):
+            rows.append(
+                f"<tr><td>{name}</td><td>{value * factor:.6g}</td><td>held</td><td></td><td>{label}</td><td></td></tr>"
+            )
+            continue
+        bound = f"{limit * factor:.3g}" if np.isfinite(limit) else ""
+        numbers = f"<td>{value * factor:.6g}</td><td>{deviation * factor:.3g}</td><td>{bound}</td>"
         rows.append(f"<tr><td>{name}</td>{numbers}<td>{label}</td><td class='text bad'>{html.escape(flag)}</td></tr>")
     return f"<div class='scroll'><table>{head}{''.join(rows)}</table></div>"
 
@@ -130,7 +151,7 @@ def _picture(found: Calibration, index: int, factor: float) -> str:
 
     def place(values: Any) -> str:
         return " ".join(
-            f"{a:.1f},{60 - 55 * max(-1.0, min(1.0, b / top)):.1f}" for a, b in zip(x_of, values, strict=True)
+            f"{a:.1f},{60 - 55 * max(-_OFF, min(_OFF, b / top)):.1f}" for a, b in zip(x_of, values, strict=True)
         )
 
     band = f"{place(s)} {' '.join(reversed(place(-s).split()))}"
@@ -138,5 +159,5 @@ def _picture(found: Calibration, index: int, factor: float) -> str:
         f"<svg viewBox='0 0 300 120' preserveAspectRatio='none' role='img'><polygon class='band' points='{band}'/>"
         f"<line class='axis' x1='0' x2='300' y1='60' y2='60'/><polyline class='line' points='{place(y)}'/>"
         f"<text x='2' y='10'>{top / 1.1:.3g}</text><text x='2' y='117'>{-top / 1.1:.3g}</text>"
-        f"<text x='262' y='72'>{t[-1]:.0f} s</text></svg>"
+        f"<text x='298' y='117' text-anchor='end'>{t[-1]:.0f} s</text></svg>"
     )

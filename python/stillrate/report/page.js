@@ -1,7 +1,11 @@
-// The page: unpacks the data, makes the plots of the chosen channel.
+// The page: unpacks the data of a channel when it is chosen, makes the plots.
 "use strict";
 
-const bytesOf = text => Uint8Array.from(atob(text), letter => letter.charCodeAt(0));
+function bytesOf(text) {
+  const letters = atob(text), found = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i++) found[i] = letters.charCodeAt(i);
+  return found;
+}
 
 // Numbers as whole multiples of a step: differences, zigzag, four planes of bytes, deflated.
 async function unpack(packed) {
@@ -16,26 +20,37 @@ async function unpack(packed) {
     found[i] = packed.offset + whole * packed.step;
   }
   for (const [from, to] of packed.missing) found.fill(NaN, from, to);
+  packed.data = "";
   return found;
+}
+
+async function timeOf(page) {
+  if (page.time.packed) return unpack(page.time.packed);
+  const found = new Float64Array(page.count);
+  for (let i = 0; i < found.length; i++) found[i] = page.time.start + i * page.time.step;
+  return found;
+}
+
+// A channel as it is drawn. A long record of many channels would fill a phone if all were unpacked at once.
+async function channelOf(packed, time) {
+  const raw = await unpack(packed.raw), clean = await unpack(packed.clean), difference = new Float32Array(raw.length);
+  for (let i = 0; i < raw.length; i++) difference[i] = clean[i] - raw[i];
+  let view = null;
+  if (packed.view) {
+    const models = [];
+    for (const m of packed.view.models) models.push({ name: m.name, probability: await unpack(m.probability) });
+    const [first, every] = packed.view.index;
+    const at = Float64Array.from(models[0].probability, (_, i) => time[first + i * every]);
+    view = { models, at, frequency: await unpack(packed.view.frequency) };
+  }
+  return { ...packed, raw, clean, difference, view };
 }
 
 async function start() {
   const page = JSON.parse(document.getElementById("data").textContent), $ = id => document.getElementById(id);
-  const time = page.time.packed ? await unpack(page.time.packed)
-    : Float64Array.from({ length: page.count }, (_, i) => page.time.start + i * page.time.step);
-  const channels = [];
-  for (const c of page.channels) {
-    const raw = await unpack(c.raw), clean = await unpack(c.clean);
-    if (c.view) {
-      for (const m of c.view.models) m.probability = await unpack(m.probability);
-      c.view.frequency = await unpack(c.view.frequency);
-      const [first, every] = c.view.index;
-      c.view.at = Float64Array.from(c.view.models[0].probability, (_, i) => time[first + i * every]);
-    }
-    channels.push({ ...c, raw, clean, difference: raw.map((v, i) => clean[i] - v) });
-  }
+  const time = await timeOf(page), channels = page.channels.map(() => null);
   const over = new Group(), bands = new Group(), taus = new Group();
-  let now = channels[0];
+  let now = page.channels[0], wanted = -1;
   over.full = [time[0], time[time.length - 1]];
   over.least = 4 * (over.full[1] - over.full[0]) / Math.max(4, time.length);
   const marks = () => now.flags.map(f => ({ colour: "--flag", x: f.at.map(i => time[i]) }));
@@ -54,12 +69,17 @@ async function start() {
     if (!curves) return;
     const x = log10(curves.x);
     group.full = [x[0], x[x.length - 1]]; group.range = group.range || group.full.slice();
-    plots[plot].set([{ name: "raw", colour: "--raw", x, y: curves.raw }, { name: "clean", colour: "--clean", x, y: curves.clean, wide: 1.75 }]);
+    // A broad line beneath: where both agree, it is still seen.
+    plots[plot].set([{ name: "raw", colour: "--raw", x, y: curves.raw, wide: 4 }, { name: "clean", colour: "--clean", x, y: curves.clean, wide: 1.5 }]);
   };
-  const choose = index => {
-    now = channels[index];
+  const choose = async index => {
+    wanted = index;
     document.querySelectorAll("#tabs button").forEach((b, i) => b.setAttribute("aria-pressed", String(i === index)));
-    plots.rate.set([{ name: "raw", colour: "--raw", x: time, y: now.raw }, { name: "clean", colour: "--clean", x: time, y: now.clean, wide: 1.75 }]);
+    const chosen = channels[index] || (channels[index] = await channelOf(page.channels[index], time));
+    if (wanted !== index) return;
+    now = chosen;
+    plots.rate.set([{ name: "raw", colour: "--raw", x: time, y: now.raw, wide: 2 }, { name: "clean", colour: "--clean", x: time, y: now.clean, wide: 1.5 }]);
+    if (!document.body.dataset.ready) requestAnimationFrame(() => performance.mark("first figure"));
     plots.difference.set([{ name: "clean − raw", colour: "--raw", x: time, y: now.difference }]);
     const view = now.view, at = view && view.at;
     $("probability").hidden = !(view && view.models.length > 1);
@@ -74,15 +94,20 @@ async function start() {
   };
   over.range = over.full.slice();
   $("tabs").hidden = channels.length < 2;
-  channels.forEach((c, i) => {
-    const b = document.createElement("button"); b.textContent = c.name; b.onclick = () => choose(i); $("tabs").append(b);
+  page.channels.forEach((c, i) => {
+    const b = document.createElement("button"); b.textContent = c.name; b.onclick = () => choose(i).catch(failed); $("tabs").append(b);
   });
   for (const [id, act] of [["in", () => over.zoom(0.4)], ["out", () => over.zoom(2.5)], ["left", () => over.pan(-0.4)],
     ["right", () => over.pan(0.4)], ["all", () => { over.reset(); bands.range && bands.reset(); taus.range && taus.reset(); }]]) $(id).onclick = act;
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => choose(channels.indexOf(now)));
-  choose(0);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => choose(wanted).catch(failed));
+  await choose(0);
   window.stillrate = { over, bands, taus, plots, channels };
   document.body.dataset.ready = "1";
 }
 
-start().catch(error => { document.getElementById("failed").textContent = "This page could not be shown: " + error; throw error; });
+function failed(error) {
+  document.getElementById("failed").textContent = "This page could not be shown: " + error;
+  throw error;
+}
+
+start().catch(failed);

@@ -23,7 +23,7 @@ class Group {
   }
 }
 
-const MARGIN = { left: 58, right: 10, top: 8, bottom: 26 };
+const MARGIN = { left: 58, right: 10, top: 8, bottom: 22 };
 const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const short = v => !isFinite(v) ? "–" : v === 0 ? "0" : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-4
   ? v.toExponential(2) : String(+v.toPrecision(5));
@@ -171,7 +171,8 @@ class Plot {
       c.strokeStyle = faint; c.fillStyle = ink; c.beginPath();
       if (along) {
         const x = this.toX(v); c.moveTo(x, MARGIN.top); c.lineTo(x, MARGIN.top + this.height); c.stroke();
-        c.textAlign = "center"; c.textBaseline = "top"; c.fillText(text, x, MARGIN.top + this.height + 4);
+        c.textAlign = "center"; c.textBaseline = "top";
+        if (x < MARGIN.left + this.width - 30) c.fillText(text, x, MARGIN.top + this.height + 5);
       } else {
         const y = this.toY(v); c.moveTo(MARGIN.left, y); c.lineTo(MARGIN.left + this.width, y); c.stroke();
         c.textAlign = "right"; c.textBaseline = "middle"; c.fillText(text, MARGIN.left - 5, y);
@@ -179,8 +180,8 @@ class Plot {
     };
     for (const t of this.options.logX ? decades(a, b, this.width / 60) : ticks(a, b, this.width / 80)) put(...t, true);
     for (const t of this.options.logY ? decades(low, high, this.height / 24) : ticks(low, high, this.height / 36)) put(...t, false);
-    c.fillStyle = ink; c.textAlign = "right"; c.textBaseline = "bottom";
-    c.fillText(this.options.xUnit, MARGIN.left + this.width, MARGIN.top + this.height + 26);
+    c.fillStyle = ink; c.textAlign = "right"; c.textBaseline = "top";
+    c.fillText(this.options.xUnit, MARGIN.left + this.width, MARGIN.top + this.height + 5);
   }
 
   cursor(c) {
@@ -202,9 +203,12 @@ class Plot {
   }
 }
 
+// Round numbers between a and b: the widest step that still gives three, near `count` of them if there is room.
 function ticks(a, b, count) {
   const rough = (b - a) / Math.max(2, count), power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map(m => m * power).find(s => s >= rough) || power * 10;
+  const inside = step => Math.floor(b / step + 1e-9) - Math.ceil(a / step - 1e-9) + 1;
+  const steps = [10, 5, 2, 1, 0.5].map(m => m * power);
+  const step = [1, 2, 5, 10].map(m => m * power).find(s => s >= rough && inside(s) > 2) || steps.find(s => inside(s) > 2) || power;
   const digits = Math.max(0, Math.min(12, -Math.floor(Math.log10(step) + 1e-9))), found = [];
   for (let k = Math.ceil(a / step - 1e-9); k * step <= b + step * 1e-9; k++) {
     const v = k * step; found.push([v, Math.abs(v) >= 1e5 ? v.toExponential(1) : v.toFixed(digits)]);
@@ -212,9 +216,15 @@ function ticks(a, b, count) {
   return found;
 }
 
+// The same on a logarithmic axis: decades, 1-2-5 where there are few, round numbers in less than half a decade.
 function decades(a, b, count) {
-  const found = [], every = Math.max(1, Math.ceil((b - a) / Math.max(2, count)));
-  for (let k = Math.ceil(a); k <= b; k++) if (k % every === 0) found.push([k, k >= -3 && k < 4 ? String(+(10 ** k).toPrecision(3)) : "1e" + k]);
-  if (found.length < 2) return ticks(a, b, count).map(([v]) => [v, short(+(10 ** v).toPrecision(3))]);
+  const every = Math.max(1, Math.ceil((b - a) / Math.max(2, count))), few = b - a < 2.5;
+  const found = [], word = (m, k) => k >= -3 && k < 4 ? String(+(m * 10 ** k).toPrecision(3)) : m + "e" + k;
+  for (let k = Math.floor(a); k <= b; k++)
+    for (const m of few ? [1, 2, 5] : [1]) {
+      const at = k + Math.log10(m);
+      if (k % every === 0 && at >= a && at <= b) found.push([at, word(m, k)]);
+    }
+  if (found.length < 2) return ticks(10 ** a, 10 ** b, count).filter(([v]) => v > 0).map(([v, text]) => [Math.log10(v), text]);
   return found;
 }

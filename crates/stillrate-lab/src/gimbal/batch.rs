@@ -9,7 +9,8 @@ use stillrate::gimbal::rotation::{exponential, logarithm};
 use stillrate::gimbal::window::{against_model, commanded};
 use stillrate::gimbal::{COUNT, Coefficients, Linearisation, Measurement, Model, Record, Reference};
 
-use super::bound::{Triangle, sensitivities};
+use super::bound::sensitivities;
+use super::triangle::Triangle;
 
 /// Result of the batch solution.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,6 +9,8 @@ use stillrate::Real;
 use stillrate::gimbal::window::KINK_RAD_S;
 use stillrate::gimbal::{COUNT, Coefficients, Geometry, Linearisation, Model, NAMES, Record};
 
+use super::triangle::Triangle;
+
 /// Derivatives of the three outputs at one epoch by attitude at the start and coefficients: SI units, one row an accelerometer.
 pub type Sensitivity = [[f64; COUNT]; 3];
 
@@ -74,64 +76,6 @@ pub struct Bound {
     pub kappa_deviation: f64,
     /// Bound of each kgI less their mean.
     pub without_kappa: [f64; 3],
-}
-
-/// Accumulates rows into an upper-triangular R, a block at a time.
-#[derive(Clone, Debug)]
-pub struct Triangle {
-    columns: usize,
-    rows: Vec<f64>,
-    root: Option<DMatrix<f64>>,
-}
-
-/// Rows that are reduced together: large enough to keep the factorisation busy, small enough for the cache.
-const BLOCK: usize = 256;
-
-impl Triangle {
-    /// An empty system with this many columns.
-    #[must_use]
-    pub const fn new(columns: usize) -> Self {
-        Self { columns, rows: Vec::new(), root: None }
-    }
-
-    /// Adds a row.
-    pub fn push(&mut self, row: impl IntoIterator<Item = f64>) {
-        self.rows.extend(row);
-        if self.rows.len() >= BLOCK * self.columns {
-            self.reduce();
-        }
-    }
-
-    fn reduce(&mut self) {
-        if self.rows.is_empty() {
-            return;
-        }
-        let fresh = DMatrix::from_row_slice(self.rows.len() / self.columns, self.columns, &self.rows);
-        self.rows.clear();
-        let stacked = match self.root.take() {
-            Some(root) => {
-                let top = root.nrows();
-                let mut stacked = DMatrix::zeros(top + fresh.nrows(), self.columns);
-                stacked.rows_mut(0, top).copy_from(&root);
-                stacked.rows_mut(top, fresh.nrows()).copy_from(&fresh);
-                stacked
-            }
-            None => fresh,
-        };
-        self.root = Some(if stacked.nrows() > self.columns { stacked.qr().unpack_r() } else { stacked });
-    }
-
-    /// R (square, zero-filled where there were too few rows).
-    #[must_use]
-    pub fn finish(mut self) -> DMatrix<f64> {
-        self.reduce();
-        let mut square = DMatrix::zeros(self.columns, self.columns);
-        if let Some(root) = self.root {
-            let root = if root.nrows() <= self.columns { root.qr().unpack_r() } else { root };
-            square.rows_mut(0, root.nrows()).copy_from(&root);
-        }
-        square
-    }
 }
 
 /// Bound of the coefficients `indices` from the R of their whitened, scaled rows.

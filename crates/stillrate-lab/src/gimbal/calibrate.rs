@@ -3,116 +3,13 @@
 use stillrate::ConfigError;
 use stillrate::Real;
 use stillrate::gimbal::{
-    COUNT, Coefficients, DEFAULT_SCALE, Estimator, FirstOrder, Gauge, Innovation, JointFilter, Model, Options, Record,
-    Reference, Relinearised, Selection, TwoLoop,
+    COUNT, Coefficients, Estimator, FirstOrder, Innovation, JointFilter, Record, Relinearised, Selection, TwoLoop,
 };
 
 use super::batch::batch;
 use super::literal::literal_angle;
 use super::residuals::{ResidualTests, Residuals};
-
-/// How to calibrate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Recursive Gauss-Newton (recommended).
-    Relinearised,
-    /// Joint extended filter, one pass.
-    OnLine,
-    /// Batch Gauss-Newton.
-    Batch,
-    /// Norm loop over the record, then tilt loop.
-    TwoStage,
-    /// Norm and tilt loop side by side.
-    TwoLoop,
-    /// First-order single loop (baseline).
-    FirstOrder,
-    /// The published two loops taken literally (baseline; diverges).
-    Literal,
-}
-
-impl Method {
-    /// All methods with their names.
-    pub const NAMED: [(&'static str, Self); 7] = [
-        ("relinearised", Self::Relinearised),
-        ("on-line", Self::OnLine),
-        ("batch", Self::Batch),
-        ("two-stage", Self::TwoStage),
-        ("two-loop", Self::TwoLoop),
-        ("first-order", Self::FirstOrder),
-        ("literal", Self::Literal),
-    ];
-
-    /// The method of a name.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::NAMED.iter().find(|(n, _)| *n == name).map(|(_, m)| *m)
-    }
-}
-
-/// Everything about a calibration but the record.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Place and arrangement.
-    pub model: Model,
-    /// Which mounting angles are held.
-    pub gauge: Gauge,
-    /// Optional states.
-    pub options: Options,
-    /// Prior standard deviations.
-    pub scale: Coefficients,
-    /// Prior mean.
-    pub prior: Coefficients,
-    /// What is subtracted inside the windows.
-    pub reference: Reference,
-    /// Robust lines in the windows.
-    pub robust: bool,
-    /// Weight of the second-order terms (on-line filter).
-    pub second_order: f64,
-    /// Angle random walk the filter allows for, deg/sqrt(h).
-    pub angle_random_walk_deg_sqrt_h: f64,
-    /// Cut-off near the horizontal, rad; 0: off.
-    pub cut_off_rad: f64,
-    /// Square root in single precision.
-    pub single: bool,
-    /// History every so many epochs.
-    pub every: usize,
-}
-
-impl Settings {
-    /// Defaults at a place.
-    #[must_use]
-    pub const fn new(model: Model) -> Self {
-        Self {
-            model,
-            gauge: Gauge::Accelerometer,
-            options: Options { torquer: false, quadratic: false, latency: false, latitude: false },
-            scale: DEFAULT_SCALE,
-            prior: [0.0; COUNT],
-            reference: Reference::Model,
-            robust: true,
-            second_order: stillrate::gimbal::joint::SECOND_ORDER,
-            angle_random_walk_deg_sqrt_h: 0.0,
-            cut_off_rad: 0.0,
-            single: false,
-            every: 1,
-        }
-    }
-
-    /// Prior deviations of the gyro drifts and their g-sensitive parts times a factor.
-    #[must_use]
-    pub fn with_gyro_scale(mut self, factor: f64) -> Self {
-        self.scale[3..15].iter_mut().for_each(|s| *s *= factor);
-        self
-    }
-
-    /// The estimated coefficients in the order of a filter state.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if the triads are no permutations.
-    pub fn indices(&self) -> Result<Vec<usize>, ConfigError> {
-        Ok(Selection::<COUNT>::for_triads(self.gauge, self.options, &self.model.triads)?.indices().to_vec())
-    }
-}
+use super::settings::{Method, Settings};
 
 /// How the estimate grew.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -198,14 +95,40 @@ impl Collector {
 /// ```
 pub fn calibrate(record: &Record<'_>, method: Method, settings: &Settings) -> Result<Outcome, ConfigError> {
     let count = settings.indices()?.len();
-    match (count <= 30, settings.single) {
-        (true, false) => run::<f64, 30>(record, method, settings),
-        (true, true) => run::<f32, 30>(record, method, settings),
-        (false, false) => run::<f64, COUNT>(record, method, settings),
-        (false, true) => run::<f32, COUNT>(record, method, settings),
+    match (count <= BASIC, settings.single) {
+        (true, false) => widest::<f64, BASIC>(record, method, settings),
+        (true, true) => widest::<f32, BASIC>(record, method, settings),
+        (false, false) => widest::<f64, ALL>(record, method, settings),
+        (false, true) => widest::<f32, ALL>(record, method, settings),
     }
 }
 
+/// Capacity for the 30 observable coefficients, in whole groups of four rows of the square root.
+const BASIC: usize = 32;
+/// Capacity for everything.
+const ALL: usize = 44;
+
+/// [`run`] compiled for the instructions that this machine has: the operations are the same, and so are the bits.
+fn widest<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Settings) -> Result<Outcome, ConfigError> {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the feature was just detected.
+        return unsafe { run_avx2::<T, N>(record, method, s) };
+    }
+    run::<T, N>(record, method, s)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn run_avx2<T: Real, const N: usize>(
+    record: &Record<'_>,
+    method: Method,
+    s: &Settings,
+) -> Result<Outcome, ConfigError> {
+    run::<T, N>(record, method, s)
+}
+
+#[inline(always)]
 fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Settings) -> Result<Outcome, ConfigError> {
     let selection = Selection::<N>::for_triads(s.gauge, s.options, &s.model.triads)?;
     let mut estimator = Estimator::<T, N>::new(s.model, selection, &s.scale, s.angle_random_walk_deg_sqrt_h)?
@@ -245,7 +168,7 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
                 }
                 residuals.push(innovations);
                 if collector.due(pass.epoch) {
-                    let deviation = estimator.standard_deviation(&pass.factor);
+                    let deviation = relinearised.standard_deviation(pass);
                     collector.push(pass.epoch, relinearised.estimate(pass), deviation);
                 }
             });
@@ -260,12 +183,12 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
                 let innovations = filter.epoch(&mut state, record, k, s.reference);
                 residuals.push(&innovations);
                 if collector.due(k + 1) {
-                    let deviation = estimator.standard_deviation(&state.factor);
+                    let deviation = filter.standard_deviation(&state);
                     collector.push(k + 1, filter.attitude_and_coefficients(&state), deviation);
                 }
             }
             outcome.coefficients = filter.attitude_and_coefficients(&state);
-            outcome.deviation = estimator.standard_deviation(&state.factor);
+            outcome.deviation = filter.standard_deviation(&state);
         }
         Method::FirstOrder => {
             let filter = FirstOrder { estimator };
@@ -273,11 +196,11 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
             for k in 0..total {
                 residuals.push(&filter.epoch(&mut state, record, k));
                 if collector.due(k + 1) {
-                    collector.push(k + 1, state.coefficients, estimator.standard_deviation(&state.factor));
+                    collector.push(k + 1, state.coefficients, filter.standard_deviation(&state));
                 }
             }
             outcome.coefficients = state.coefficients;
-            outcome.deviation = estimator.standard_deviation(&state.factor);
+            outcome.deviation = filter.standard_deviation(&state);
         }
         Method::Batch => {
             let solution = batch(&s.model, record, &outcome.indices, &s.prior, &s.scale, s.reference, s.robust);

@@ -7,7 +7,8 @@ use stillrate::ConfigError;
 use stillrate::gimbal::coefficients::TORQUER;
 use stillrate::gimbal::{COUNT, NAMES, Options, Record};
 
-use super::calibrate::{Method, Settings, calibrate};
+use super::calibrate::calibrate;
+use super::settings::{Method, Settings};
 
 /// Name, estimate, standard deviation (SI) and their quotient of every optional coefficient.
 ///

@@ -10,7 +10,7 @@ use stillrate::Real;
 use stillrate::gimbal::norm_loop::{NORM_COUNT, NORM_INDICES};
 use stillrate::gimbal::rotation::exponential;
 use stillrate::gimbal::window::commanded;
-use stillrate::gimbal::{Coefficients, Factor, Model, Record};
+use stillrate::gimbal::{Carried, Coefficients, Factor, Model, Record};
 
 const TILT_COUNT: usize = 21;
 
@@ -28,10 +28,11 @@ pub fn literal_angle(
     let mut x = *prior;
     let mut frame = Matrix3::identity();
     let mut gyro = Factor::<f64, TILT_COUNT>::unit(TILT_COUNT);
+    let mut carried = Carried::<TILT_COUNT>::unit();
     let mut force_loop = Factor::<f64, NORM_COUNT>::unit(NORM_COUNT);
     for k in 0..record.epochs() {
         let command = Vector3::from(record.command(k));
-        propagate(model, &mut x, &mut gyro, scale, &frame, &command, dt);
+        propagate(model, &mut x, &mut carried, scale, &frame, &command, dt);
         frame = model.commanded_step(&frame, &command, &earth_rate, dt);
         let measurement = commanded(model, record, k + 1, &frame, &earth_rate, false);
         if measurement.variance.iter().all(|v| v.is_finite()) {
@@ -40,7 +41,7 @@ pub fn literal_angle(
             let r = measurement.variance[0];
             let phi = Vector3::new(x[0], x[1], x[2]);
             let angle = -f.cross(&(z - f - accelerometer_error(&x, &f))) / (g * g);
-            correct_gyro(&mut x, &mut gyro, scale, &f, &angle, &phi, g, r);
+            correct_gyro(&mut x, &mut gyro, &carried, scale, &f, &angle, &phi, g, r);
             correct_accelerometer(&mut x, &mut force_loop, scale, &f, &z, &phi, r);
         }
         observe(k + 1, &x);
@@ -56,7 +57,7 @@ fn accelerometer_error(x: &Coefficients, f: &Vector3<f64>) -> Vector3<f64> {
 fn propagate(
     model: &Model,
     x: &mut Coefficients,
-    factor: &mut Factor<f64, TILT_COUNT>,
+    carried: &mut Carried<TILT_COUNT>,
     scale: &Coefficients,
     frame: &Matrix3<f64>,
     command: &Vector3<f64>,
@@ -65,7 +66,8 @@ fn propagate(
     let transition = exponential(&(command * -dt));
     let half = exponential(&(command * (-0.5 * dt)));
     let f = half * model.force(frame) / model.gravity_m_s2;
-    let mut turning = [[0.0; 4]; TILT_COUNT];
+    let packed = core::array::from_fn(|c| core::array::from_fn(|r| transition[(r, c)] * scale[c] / scale[r]));
+    carried.turn(&packed);
     let mut phi = transition * Vector3::new(x[0], x[1], x[2]);
     for i in 0..3 {
         let (o, s) = ((i + 1) % 3, (i + 2) % 3);
@@ -75,20 +77,17 @@ fn propagate(
             let column = half.column(i) * (dt * value);
             phi += column * x[at];
             for r in 0..3 {
-                turning[at][r] = column[r] * scale[at] / scale[r];
+                carried.rows[r][at] += column[r] * scale[at] / scale[r];
             }
         }
     }
     x[..3].copy_from_slice(phi.as_slice());
-    let packed: [[f64; 3]; 3] =
-        core::array::from_fn(|c| core::array::from_fn(|r| transition[(r, c)] * scale[c] / scale[r]));
-    factor.carry(&packed, &turning, TILT_COUNT);
-    factor.settle([0.0; 3]);
 }
 
 fn correct_gyro(
     x: &mut Coefficients,
     factor: &mut Factor<f64, TILT_COUNT>,
+    carried: &Carried<TILT_COUNT>,
     scale: &Coefficients,
     f: &Vector3<f64>,
     angle: &Vector3<f64>,
@@ -101,19 +100,18 @@ fn correct_gyro(
     let weight = g / variance.root();
     let mut correction = [0.0; TILT_COUNT];
     for i in 0..3 {
-        let mut row = [0.0; TILT_COUNT];
-        let mut innovation = (angle[i] - predicted[i]) * weight;
-        for c in 0..3 {
-            row[c] = across[(i, c)] * scale[c] * weight;
-            innovation -= row[c] * correction[c];
-        }
-        let gain = factor.absorb(&row, &[0, 1, 2]);
+        let row: [f64; TILT_COUNT] =
+            core::array::from_fn(|at| (0..3).map(|c| across[(i, c)] * scale[c] * weight * carried.rows[c][at]).sum());
+        let known: f64 = row.iter().zip(&correction).map(|(h, c)| h * c).sum();
+        let innovation = (angle[i] - predicted[i]) * weight - known;
+        let gain = factor.absorb(&row);
         for (c, p) in correction.iter_mut().zip(gain.covariance) {
             *c += p * innovation / gain.variance;
         }
     }
-    for (i, c) in correction.into_iter().enumerate() {
-        x[i] += c * scale[i];
+    let psi = carried.now(&correction);
+    for i in 0..TILT_COUNT {
+        x[i] += if i < 3 { psi[i] } else { correction[i] } * scale[i];
     }
 }
 
@@ -144,7 +142,7 @@ fn correct_accelerometer(
             row[at] = derivative * scale[index] * weight;
             innovation -= row[at] * correction[at];
         }
-        let gain = factor.absorb(&row, &[0, 1, 2, 3, 4, 5, 6, 7, 8]);
+        let gain = factor.absorb(&row);
         for (c, p) in correction.iter_mut().zip(gain.covariance) {
             *c += p * innovation / gain.variance;
         }

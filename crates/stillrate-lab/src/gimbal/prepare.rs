@@ -180,8 +180,7 @@ impl Prepared {
             let command = record.command(k).into();
             let (mut sum, mut slope, mut square) = ([0.0; 3], [0.0; 3], [0.0; 3]);
             for j in -(half as isize)..=half as isize {
-                let there = model.commanded_step(&frame, &command, &earth_rate, record.offset_s(j));
-                let force = model.force(&there);
+                let force = model.commanded_force(&frame, &command, &earth_rate, record.offset_s(j));
                 let sample = record.sample(k, j).copied().unwrap_or([f64::NAN; 3]);
                 for axis in 0..3 {
                     // Around the first sample's size the squares keep their digits.

@@ -9,9 +9,10 @@ use stillrate::gimbal::{COUNT, Coefficients, Model, Record};
 use stillrate::{ConfigError, Real};
 
 use super::bound::{Bound, Sampling, bound};
-use super::calibrate::{Method, Outcome, Settings, calibrate};
+use super::calibrate::{Outcome, calibrate};
 use super::residuals::ResidualTests;
 use super::score::{Score, score, settling_time};
+use super::settings::{Method, Settings};
 use super::simulate::{Disturbance, disturb, draw, outputs};
 use super::trajectory::Trajectory;
 use crate::random::Random;

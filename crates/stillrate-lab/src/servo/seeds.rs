@@ -1,11 +1,12 @@
 //! Seeds of gyro noise for tuning and for validation, fixed before any published tuning was run.
 //!
-//! Tuners use [`TUNING`] only. [`VALIDATION`] was not looked at while the tuner and its safety margins were designed.
+//! Tuners use [`TUNING`] only. [`VALIDATION`] was not looked at while the tuner and its safety margins were designed; figures of an earlier
+//! set influenced one design, so the whole table was tuned and measured anew with these.
 
 /// Seeds that tuners see.
-pub const TUNING: [u64; 12] = [101, 102, 103, 104, 105, 106, 107, 108, 109, 110, 111, 112];
+pub const TUNING: [u64; 12] = [201, 202, 203, 204, 205, 206, 207, 208, 209, 210, 211, 212];
 /// Seeds that only published figures see.
 pub const VALIDATION: [u64; 12] =
-    [770_001, 770_002, 770_003, 770_004, 770_005, 770_006, 770_007, 770_008, 770_009, 770_010, 770_011, 770_012];
+    [880_101, 880_102, 880_103, 880_104, 880_105, 880_106, 880_107, 880_108, 880_109, 880_110, 880_111, 880_112];
 /// Seed of the search itself.
-pub const SEARCH: u64 = 20_261;
+pub const SEARCH: u64 = 20_263;

@@ -3,12 +3,14 @@
 //!
 //! Standard single-axis model (IEEE Std 952-2020, annex C). With sample period T: white noise of two-sided density N
 //! has variance N^2 / T a sample; the Gauss-Markov bias b' = phi b + sqrt(1 - phi^2) sigma n, phi = exp(-T / tau),
-//! starts stationary; the rate random walk grows by K sqrt(T) n from 0. The drift (bias + walk) belongs to the truth:
+//! starts stationary; the rate random walk grows by K sqrt(T) n from 0; flicker noise B is a sum of Gauss-Markov
+//! processes. The drift (bias + walk + flicker) belongs to the truth:
 //! no filter can tell it from rate.
 
 use stillrate::Real;
 use stillrate::error::{ConfigError, not_negative, positive};
 
+use super::flicker;
 use crate::random::{Generator, Random};
 
 /// Noise figures of a simulated gyro, in deg/s and seconds. [`GyroNoiseModel::bench`] is the one of the beds.
@@ -30,6 +32,8 @@ pub struct GyroNoiseModel {
     pub bias_time_s: f64,
     /// Rate random walk K, deg/s/sqrt(s).
     pub rate_random_walk_dps_sqrt_s: f64,
+    /// Flicker noise B ("bias instability"), deg/s: the Allan deviation has its floor at 0.664 B.
+    pub bias_instability_dps: f64,
     /// Quantisation step, deg/s; 0 for none.
     pub lsb_dps: f64,
     /// Full scale: readings are clipped to plus or minus this, deg/s; infinite for none.
@@ -43,7 +47,7 @@ pub struct GyroNoiseModel {
 /// A simulated reading and the truth behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseRecord {
-    /// Slow drift: Gauss-Markov bias plus rate random walk, deg/s.
+    /// Slow drift: Gauss-Markov bias plus rate random walk plus flicker, deg/s.
     pub drift_dps: Vec<f64>,
     /// Motion plus drift: what a filter is to estimate, deg/s.
     pub truth_dps: Vec<f64>,
@@ -57,6 +61,8 @@ mod stream {
     pub(super) const BIAS: u64 = 1;
     pub(super) const WALK: u64 = 2;
     pub(super) const MISSING: u64 = 3;
+    /// And upward, one for each process; the motion of a bed uses 16 to 18.
+    pub(super) const FLICKER: u64 = 32;
 }
 
 impl GyroNoiseModel {
@@ -80,6 +86,7 @@ impl GyroNoiseModel {
             bias_sigma_dps: 0.0,
             bias_time_s: 1.0,
             rate_random_walk_dps_sqrt_s: 0.0,
+            bias_instability_dps: 0.0,
             lsb_dps: 0.0,
             saturation_dps: f64::INFINITY,
             missing_probability: 0.0,
@@ -96,6 +103,7 @@ impl GyroNoiseModel {
         not_negative("bias_sigma_dps", self.bias_sigma_dps, "deg/s")?;
         positive("bias_time_s", self.bias_time_s, "s")?;
         not_negative("rate_random_walk_dps_sqrt_s", self.rate_random_walk_dps_sqrt_s, "deg/s/sqrt(s)")?;
+        not_negative("bias_instability_dps", self.bias_instability_dps, "deg/s")?;
         not_negative("lsb_dps", self.lsb_dps, "deg/s")?;
         if self.saturation_dps.is_nan() || self.saturation_dps <= 0.0 {
             return Err(ConfigError::new("saturation_dps", self.saturation_dps, "deg/s", "> 0"));
@@ -119,7 +127,7 @@ impl GyroNoiseModel {
         Ok(NoiseRecord { drift_dps, truth_dps, measured_dps })
     }
 
-    /// Gauss-Markov bias, started stationary, plus rate random walk from 0.
+    /// Gauss-Markov bias, started stationary, plus rate random walk from 0, plus flicker.
     fn drift(&self, count: usize, period: f64, seed: u64) -> Vec<f64> {
         let mut bias_noise = Random::new(seed, stream::BIAS);
         let mut walk_noise = Random::new(seed, stream::WALK);
@@ -129,14 +137,16 @@ impl GyroNoiseModel {
         let walk_step = self.rate_random_walk_dps_sqrt_s * period.root();
         let mut bias = self.bias_sigma_dps * bias_noise.normal();
         let mut walk = 0.0;
-        (0..count)
+        let mut drift: Vec<f64> = (0..count)
             .map(|_| {
                 let drift = bias + walk;
                 bias = phi * bias + innovation * bias_noise.normal();
                 walk += walk_step * walk_noise.normal();
                 drift
             })
-            .collect()
+            .collect();
+        flicker::add(&mut drift, self.bias_instability_dps, seed, stream::FLICKER);
+        drift
     }
 
     /// White noise, then full scale, then the converter's step, then gaps.

@@ -2,6 +2,7 @@
 //! and the random motions they are made of ([`motion`]).
 
 pub mod beds;
+mod flicker;
 pub mod gyro_noise;
 pub mod motion;
 

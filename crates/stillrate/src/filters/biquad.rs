@@ -97,16 +97,16 @@ fn gains<T: Real>(angle: T, damping: T) -> [T; 3] {
     let (sine, cosine) = angle.least(T::of(LARGEST_ANGLE)).sine_cosine();
     let tangent = sine / cosine;
     let first = T::ONE / (T::ONE + tangent * (tangent + damping));
-    [first, tangent * first, tangent * (tangent * first)]
+    let twice = T::TWO * tangent * first;
+    [T::TWO * first - T::ONE, twice, tangent * twice]
 }
 
-/// Both integrators over one period: their new values and the output, and beside them the output of the first.
+/// Both integrators over one period: their new values, and the output halfway between the old and the new level.
 #[inline(always)]
-fn advance<T: Real>([a1, a2, a3]: [T; 3], state: &BiquadState<T>, value: T) -> ([T; 3], T) {
+fn advance<T: Real>([keep, across, follow]: [T; 3], state: &BiquadState<T>, value: T) -> [T; 3] {
     let drive = value - state.level;
-    let band = a1 * state.slope + a2 * drive;
-    let low = state.level + (a2 * state.slope + a3 * drive);
-    ([band + band - state.slope, low + low - state.level, low], band)
+    let rise = across * state.slope + follow * drive;
+    [keep * state.slope + across * drive, state.level + rise, state.level + T::HALF * rise]
 }
 
 impl<T: Real> Biquad<T> {
@@ -153,14 +153,13 @@ impl<T: Real> Filter<T> for Biquad<T> {
         let checked = sample.check(self.limit, self.period_s);
         state.started = checked.known(state.started);
         // The same for every channel, so the compiler takes the branch out of the loop over channels.
-        let [a1, a2, a3] = if checked.dt == self.period_s {
+        let gains = if checked.dt == self.period_s {
             self.gains
         } else {
             gains(self.half_corner_rad_s * checked.dt, self.damping)
         };
-        let (moved, band) = advance([a1, a2, a3], state, checked.value);
-        let low = moved[2];
-        let sound = state.slope.finite() && state.level.finite() && low.finite() && band.finite();
+        let moved = advance(gains, state, checked.value);
+        let sound = state.slope.finite() && state.level.finite() && moved[0].finite() && moved[1].finite();
         let fresh = state.started == T::ZERO || checked.restart || !sound;
         let start = [T::ZERO, checked.value, checked.value];
         let used = checked.present || !sound;
@@ -194,7 +193,7 @@ impl<T: Real> Glide<T> for Biquad<T> {
     }
     #[inline(always)]
     fn glide(&self, state: &mut BiquadState<T>, value: T) -> T {
-        let ([slope, level, output], _) = advance(self.gains, state, value);
+        let [slope, level, output] = advance(self.gains, state, value);
         *state = BiquadState { slope, level, output, started: state.started };
         output
     }

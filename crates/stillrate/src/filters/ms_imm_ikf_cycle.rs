@@ -340,7 +340,7 @@ impl<T: Real> MsImmIkf<T> {
                 m => s.oscillator_probability[m - 1 - RUNGS].0,
             };
             for c in 0..W {
-                let likelihood = (weights.exponent[m][c] - highest[c]).decay() * weights.factor[m][c];
+                let likelihood = (weights.exponent[m][c] - highest[c]).doubling() * weights.factor[m][c];
                 let weight = prior[c] * T::select(ORDINARY || used[c], likelihood, T::ONE);
                 weights.factor[m][c] = weight;
                 sum[c] += weight;

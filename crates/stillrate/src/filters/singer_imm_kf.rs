@@ -7,8 +7,8 @@ use crate::block;
 use crate::error::{ConfigError, positive};
 use crate::filter::{Checked, Estimate, Filter, Flags, LONGEST_GAP_S, ModelTrace, Observer, Sample};
 use crate::gaussian::Gaussian2;
-use crate::imm::{interact, mix2, weigh2};
-use crate::kalman::{Reading, predict_singer, update2};
+use crate::imm::{judged, mix2, normalised, prior2, shares};
+use crate::kalman::{Reading, mix_ahead, update2};
 use crate::models::SingerCoefficients;
 use crate::noise::{GyroNoise, RANGE_SIGMAS};
 use crate::plain;
@@ -187,7 +187,7 @@ plain! {
     /// for k in 0..500 {
     ///     filter.step(&mut state, Sample { value: if k % 2 == 0 { 0.1 } else { -0.1 }, dt: 0.02 });
     /// }
-    /// assert!(state.probability[0] > 0.5); // at rest
+    /// assert!(state.weight[0] > state.weight[1]); // at rest
     /// # Ok::<(), stillrate::ConfigError>(())
     /// ```
     pub struct SingerImmKf<T> {
@@ -209,8 +209,8 @@ reals! {
     pub struct SingerImmKfState {
         /// Rate and acceleration of both models.
         pub model: [Gaussian2<T>; 2],
-        /// Their probabilities.
-        pub probability: [T; 2],
+        /// Their weights: probabilities once divided by their sum.
+        pub weight: [T; 2],
         /// 1 once a sample has been seen.
         pub started: T,
     }
@@ -225,7 +225,7 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
                 mean: [T::ZERO; 2],
                 covariance: [model.start_variance[0], T::ZERO, model.start_variance[1]],
             }),
-            probability: [self.start_probability, T::ONE - self.start_probability],
+            weight: [self.start_probability, T::ONE - self.start_probability],
             started: T::ZERO,
         }
     }
@@ -349,16 +349,15 @@ impl<T: Real> SingerImmKf<T> {
                 covariance: core::array::from_fn(|k| T::select(begins, new.covariance[k], old.covariance[k])),
             }
         });
-        let probability: [T; 2] =
-            core::array::from_fn(|i| T::select(begins, start.probability[i], state.probability[i]));
-        let (prior, weight) = interact(&tempo.transition, &probability);
+        let weight: [T; 2] = core::array::from_fn(|i| T::select(begins, start.weight[i], state.weight[i]));
+        let share = shares(&tempo.transition, &weight);
+        let prior = prior2(&tempo.transition, &normalised(&weight));
         let mut next = models;
         let (mut exponent, mut factor) = ([T::ZERO; 2], [T::ONE; 2]);
         let mut traces = [ModelTrace::default(); 2];
         for i in 0..2 {
             let model = &self.model[i];
-            let mixed = mix2(weight[i], &models[0], &models[1]);
-            let predicted = predict_singer(&mixed, &tempo.step[i], T::ONE);
+            let predicted = mix_ahead(share[i], &models[0], &models[1], &tempo.step[i]);
             let (updated, evidence) = update2(&predicted, &Reading::plain(checked.value, model.measurement_variance));
             next[i] = Gaussian2 {
                 mean: core::array::from_fn(|k| {
@@ -368,8 +367,9 @@ impl<T: Real> SingerImmKf<T> {
                     T::select(checked.present, updated.covariance[k], predicted.covariance[k])
                 }),
             };
-            exponent[i] = evidence.exponent;
-            factor[i] = evidence.factor;
+            // A missing sample leaves the prior.
+            exponent[i] = T::select(checked.present, evidence.exponent, T::ZERO);
+            factor[i] = T::select(checked.present, evidence.factor, T::ONE);
             traces[i] = ModelTrace {
                 probability: T::ZERO,
                 innovation: T::select(checked.present, evidence.innovation, T::of(f64::NAN)),
@@ -379,7 +379,7 @@ impl<T: Real> SingerImmKf<T> {
                 rate: next[i].mean[0],
             };
         }
-        let posterior = weigh2(&prior, &exponent, &factor, checked.present);
+        let posterior = judged(&prior, &exponent, &factor);
         let runs = checked.moves && (begins || started);
         for i in 0..2 {
             let (new, old) = (&next[i], state.model[i]);
@@ -387,12 +387,14 @@ impl<T: Real> SingerImmKf<T> {
                 mean: core::array::from_fn(|k| T::select(runs, new.mean[k], old.mean[k])),
                 covariance: core::array::from_fn(|k| T::select(runs, new.covariance[k], old.covariance[k])),
             };
-            state.probability[i] = T::select(runs, posterior[i], state.probability[i]).flushed();
-            traces[i].probability = state.probability[i];
-            observer.model(i, traces[i]);
+            state.weight[i] = T::select(runs, posterior[i], state.weight[i]);
+        }
+        let probability = normalised(&state.weight);
+        for i in 0..2 {
+            observer.model(i, ModelTrace { probability: probability[i], ..traces[i] });
         }
         state.started = T::select(begins, T::ONE, state.started);
-        let fused = mix2(state.probability[0], &state.model[0], &state.model[1]);
+        let fused = mix2(probability[0], &state.model[0], &state.model[1]);
         Estimate {
             rate: fused.mean[0],
             acceleration: fused.mean[1],

@@ -6,8 +6,8 @@
 use super::singer_imm_kf::{SingerImmKf, SingerImmKfState, SingerImmModel};
 use crate::filter::{Estimate, Flags, Sample};
 use crate::gaussian::Gaussian2;
-use crate::imm::{interact, mix2, weigh2};
-use crate::kalman::{Reading, predict_singer, update2};
+use crate::imm::{mix2, normalised, prior2, shares};
+use crate::kalman::{Reading, mix_ahead, update2};
 use crate::models::SingerCoefficients;
 use crate::real::Real;
 
@@ -22,21 +22,19 @@ impl<T: Real> SingerImmKf<T> {
         }
         let runs = checked.moves && state.started != T::ZERO;
         if runs {
-            self.interact(state);
             let dt = T::select(checked.restart, self.period_s, checked.dt);
             // Absent things as numbers that cannot otherwise occur: what is alive over the calls below takes stack.
             let unusual = T::select(dt == self.period_s, T::ZERO, dt);
             let value = T::select(checked.present, sample.value, T::of(f64::NAN));
+            self.interact(state, unusual);
             let [rest, motion] = &mut state.model;
-            let [p_rest, p_motion] = &mut state.probability;
-            let mut room = self.model[0].step;
-            let step = self.model[0].over_unless_usual(unusual, &mut room);
-            let exponent = carry(rest, p_rest, step, value, self.model[0].measurement_variance);
-            let step = self.model[1].over_unless_usual(unusual, &mut room);
-            let exponent = [exponent, carry(motion, p_motion, step, value, self.model[1].measurement_variance)];
-            weigh(&mut state.probability, exponent, checked.present);
+            let [w_rest, w_motion] = &mut state.weight;
+            let exponent = carry(rest, w_rest, value, self.model[0].measurement_variance);
+            let rise = carry(motion, w_motion, value, self.model[1].measurement_variance) - exponent;
+            *w_motion *= rise.doubling();
         }
-        let fused = mix2(state.probability[0], &state.model[0], &state.model[1]);
+        let [first, _] = normalised(&state.weight);
+        let fused = mix2(first, &state.model[0], &state.model[1]);
         Estimate {
             rate: fused.mean[0],
             acceleration: fused.mean[1],
@@ -45,15 +43,18 @@ impl<T: Real> SingerImmKf<T> {
         }
     }
 
-    /// Replaces both models by the mixtures that each starts from, and their probabilities by those before the sample.
+    /// Replaces both models by what is predicted from the mixtures they start from, and their weights by the probabilities before the
+    /// sample.
     #[inline(never)]
-    fn interact(&self, state: &mut SingerImmKfState<T>) {
+    fn interact(&self, state: &mut SingerImmKfState<T>, unusual: T) {
         let [first, second] = self.leave;
         let transition = [[T::ONE - first, first], [second, T::ONE - second]];
-        let (prior, weight) = interact(&transition, &state.probability);
-        let [a, b] = state.model;
-        state.model = weight.map(|w| mix2(w, &a, &b));
-        state.probability = prior;
+        let share = shares(&transition, &state.weight);
+        state.weight = prior2(&transition, &normalised(&state.weight));
+        let mut room = self.model[0].step;
+        let moved = ahead(share[1], &state.model, self.model[1].over_unless_usual(unusual, &mut room));
+        state.model[0] = ahead(share[0], &state.model, self.model[0].over_unless_usual(unusual, &mut room));
+        state.model[1] = moved;
     }
 
     /// Starts from a sample.
@@ -63,7 +64,7 @@ impl<T: Real> SingerImmKf<T> {
             own.mean = [value, T::ZERO];
             own.covariance = [model.start_variance[0], T::ZERO, model.start_variance[1]];
         }
-        state.probability = [self.start_probability, T::ONE - self.start_probability];
+        state.weight = [self.start_probability, T::ONE - self.start_probability];
         state.started = T::ONE;
     }
 }
@@ -80,32 +81,24 @@ impl<T: Real> SingerImmModel<T> {
     }
 }
 
-/// Predicts one model and updates it with a value that is not NaN, in place. Multiplies its probability by the
-/// likelihood's factor and gives its exponent.
+/// What a model predicts from both, the first with weight `w`.
 #[inline(never)]
-fn carry<T: Real>(
-    own: &mut Gaussian2<T>,
-    probability: &mut T,
-    step: &SingerCoefficients<T>,
-    value: T,
-    variance: T,
-) -> T {
-    *own = predict_singer(own, step, T::ONE);
+fn ahead<T: Real>(w: T, models: &[Gaussian2<T>; 2], step: &SingerCoefficients<T>) -> Gaussian2<T> {
+    mix_ahead(w, &models[0], &models[1], step)
+}
+
+/// Updates one model with a value that is not NaN, in place. Multiplies its weight by the likelihood's factor and gives its exponent.
+#[inline(never)]
+fn carry<T: Real>(own: &mut Gaussian2<T>, weight: &mut T, value: T, variance: T) -> T {
     let mut exponent = T::ZERO;
     if value.finite() {
         let (updated, evidence) = update2(own, &Reading::plain(value, variance));
         *own = updated;
-        *probability = *probability * evidence.factor;
+        *weight *= evidence.factor;
         exponent = evidence.exponent;
     }
     own.mean = own.mean.map(Real::flushed);
     exponent
-}
-
-/// Replaces the products of probabilities and likelihood factors by the probabilities after the sample.
-#[inline(never)]
-fn weigh<T: Real>(probability: &mut [T; 2], exponent: [T; 2], used: bool) {
-    *probability = weigh2(probability, &exponent, &[T::ONE; 2], used).map(Real::flushed);
 }
 
 #[cfg(test)]

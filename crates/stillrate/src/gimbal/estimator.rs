@@ -5,6 +5,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::carried::{Carried, scaled_transition};
 use super::coefficients::{
     COUNT, Coefficients, FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, FORCE_BIAS, FORCE_QUADRATIC, FORCE_SCALE, LATENCY,
     NAMES, Selection,
@@ -38,6 +39,7 @@ pub struct Estimator<T, const N: usize> {
     /// Epochs with an input axis nearer to the horizontal than this are not used, rad; 0: all are.
     pub cut_off_rad: f64,
     scaled: [f64; N],
+    weight: [[f64; N]; 3],
     number: core::marker::PhantomData<T>,
 }
 
@@ -85,6 +87,7 @@ impl<T: Real, const N: usize> Estimator<T, N> {
             robust: true,
             cut_off_rad: 0.0,
             scaled,
+            weight: core::array::from_fn(|r| scaled.map(|s| s / scaled[r])),
             number: core::marker::PhantomData,
         })
     }
@@ -130,104 +133,135 @@ impl<T: Real, const N: usize> Estimator<T, N> {
         force.iter().any(|f| f.magnitude() < limit)
     }
 
-    /// Derivatives of the motion in scaled numbers, by state position.
-    #[inline]
-    pub(crate) fn pack_turning(&self, turning: &Turning) -> [[f64; 4]; N] {
-        let mut packed = [[0.0; 4]; N];
-        let by_attitude = [1.0 / self.scaled[0], 1.0 / self.scaled[1], 1.0 / self.scaled[2]];
-        let turns = self.selection.turning();
-        for ((slot, &index), scale) in
-            packed.iter_mut().zip(self.selection.indices()).zip(&self.scaled).take(turns).skip(3)
+    /// Carries the errors of the start through one step of `dt_s`, and adds the random walk of the attitude.
+    #[inline(always)]
+    pub(crate) fn carry(
+        &self,
+        factor: &mut Factor<T, N>,
+        carried: &mut Carried<N>,
+        transition: &Matrix3<f64>,
+        turning: &Turning,
+        dt_s: f64,
+    ) {
+        let transition = scaled_transition(transition, [self.scaled[0], self.scaled[1], self.scaled[2]]);
+        carried.turn(&transition);
+        carried.add(turning, &self.selection, &self.weight);
+        if self.attitude_walk > 0.0 {
+            self.spread(factor, self.attitude_walk * dt_s.root());
+        }
+    }
+
+    /// Makes the attitude less certain by `walk_rad` about each axis.
+    #[inline(always)]
+    pub(crate) fn spread(&self, factor: &mut Factor<T, N>, walk_rad: f64) {
+        factor.spread(core::array::from_fn(|axis| T::of(walk_rad / self.scaled[axis])));
+    }
+
+    /// Attitude error now (rad) that an error in scaled numbers makes.
+    #[inline(always)]
+    pub(crate) fn attitude(&self, carried: &Carried<N>, errors: &[f64; N]) -> Vector3<f64> {
+        let psi = carried.now(errors);
+        Vector3::new(psi[0] * self.scaled[0], psi[1] * self.scaled[1], psi[2] * self.scaled[2])
+    }
+
+    /// Variances of the attitude now, rad^2.
+    #[inline(always)]
+    pub(crate) fn attitude_variance(&self, factor: &Factor<T, N>, carried: &Carried<N>) -> [f64; 3] {
+        let mut rows = [[T::ZERO; N]; 3];
+        for (row, exact) in rows.iter_mut().zip(&carried.rows) {
+            for (slot, x) in row.iter_mut().zip(exact) {
+                *slot = T::of(*x);
+            }
+        }
+        let [x, y, z] = factor.variances_along(&rows);
+        let [a, b, c] = [self.scaled[0], self.scaled[1], self.scaled[2]];
+        [x.widen() * a * a, y.widen() * b * b, z.widen() * c * c]
+    }
+
+    /// A row of derivatives (SI units, by the attitude now and the coefficients) in scaled numbers, times `weight`. Besides the
+    /// attitude only the coefficients of accelerometer `axis` may be other than 0.
+    #[inline(always)]
+    pub(crate) fn row(&self, carried: &Carried<N>, row: &Row, axis: usize, weight: f64) -> [f64; N] {
+        let [x, y, z] =
+            [row[0] * self.scaled[0] * weight, row[1] * self.scaled[1] * weight, row[2] * self.scaled[2] * weight];
+        let mut packed = [0.0; N];
+        for (slot, ((a, b), c)) in
+            packed.iter_mut().zip(carried.rows[0].iter().zip(&carried.rows[1]).zip(&carried.rows[2]))
         {
-            for r in 0..3 {
-                slot[r] = turning[index][r] * scale * by_attitude[r];
+            *slot = x * a + y * b + z * c;
+        }
+        for index in [
+            FORCE_BIAS + axis,
+            FORCE_SCALE + axis,
+            FORCE_ABOUT_PENDULOUS + axis,
+            FORCE_ABOUT_OUTPUT + axis,
+            FORCE_QUADRATIC + axis,
+            LATENCY,
+        ] {
+            let at = self.selection.position(index);
+            if let (Some(slot), Some(scale), Some(h)) = (packed.get_mut(at), self.scaled.get(at), row.get(index)) {
+                *slot += h * scale * weight;
             }
         }
         packed
     }
 
-    /// Phi in scaled numbers, by columns.
-    #[inline]
-    pub(crate) fn pack_transition(&self, transition: &Matrix3<f64>) -> [[f64; 3]; 3] {
-        let columns = &transition.data.0;
-        core::array::from_fn(|c| core::array::from_fn(|r| columns[c][r] * self.scaled[c] / self.scaled[r]))
-    }
-
-    /// Carries the square root through one step of `dt_s`.
-    #[inline]
-    pub(crate) fn carry(
-        &self,
-        factor: &mut Factor<T, N>,
-        transition: &[[f64; 3]; 3],
-        turning: &[[f64; 4]; N],
-        dt_s: f64,
-    ) {
-        let transition = transition.map(|column| column.map(T::of));
-        let turning = turning.map(|column| column.map(T::of));
-        factor.carry(&transition, &turning, self.selection.turning());
-        let walk = self.attitude_walk * dt_s.root();
-        factor.settle(core::array::from_fn(|axis| T::of(walk / self.scaled[axis])));
-    }
-
-    /// Places in the state where the row of accelerometer `i` is not zero.
+    /// Takes in one scalar measurement of unit variance: `residual` against the state before any correction of this epoch, both
+    /// it and its derivatives `row` over the deviation of the noise. Adds to `correction` (scaled numbers); returns the innovation
+    /// variance.
     #[inline(always)]
-    pub(crate) fn support(&self, i: usize) -> [usize; 9] {
-        let at = |coefficient| self.selection.position(coefficient);
-        [
-            0,
-            1,
-            2,
-            at(FORCE_BIAS + i),
-            at(FORCE_SCALE + i),
-            at(FORCE_ABOUT_PENDULOUS + i),
-            at(FORCE_ABOUT_OUTPUT + i),
-            at(FORCE_QUADRATIC + i),
-            at(LATENCY),
-        ]
-    }
-
-    /// Takes in one scalar measurement: `residual` against the state before any correction of this epoch, `row` its derivatives
-    /// in SI units, non-zero only at `support`. Adds to `correction` (scaled numbers).
-    #[inline]
     pub(crate) fn absorb(
-        &self,
         factor: &mut Factor<T, N>,
-        row: &Row,
-        support: &[usize],
+        row: &[f64; N],
         residual: f64,
-        variance: f64,
         correction: &mut [f64; N],
-    ) -> Innovation {
-        if !(variance > 0.0 && variance.finite() && residual.finite()) {
-            return Innovation::default();
+    ) -> (f64, f64) {
+        let innovation = residual - product(row, correction);
+        let mut rounded = [T::ZERO; N];
+        for (slot, h) in rounded.iter_mut().zip(row) {
+            *slot = T::of(*h);
         }
-        let weight = 1.0 / variance.root();
-        let mut packed = [T::ZERO; N];
-        let mut innovation = residual * weight;
-        for &at in support {
-            if at < N {
-                let index = self.selection.indices().get(at).copied().unwrap_or(0).min(COUNT - 1);
-                let h = row[index] * self.scaled[at] * weight;
-                packed[at] = T::of(h);
-                innovation -= h * correction[at];
-            }
-        }
-        let gain = factor.absorb(&packed, support);
-        let spread = gain.variance.widen();
-        let factor = innovation / spread;
+        let gain = factor.absorb(&rounded);
+        let variance = gain.variance.widen();
+        let factor = innovation / variance;
         for (c, p) in correction.iter_mut().zip(&gain.covariance) {
             *c += p.widen() * factor;
         }
-        Innovation { value: innovation / weight, variance: spread * variance }
+        (innovation, variance)
     }
 
-    /// Standard deviation of every coefficient in SI units; 0 where it is not estimated.
+    /// Standard deviation of every coefficient in SI units, the attitude's at the start; 0 where it is not estimated.
     #[must_use]
     pub fn standard_deviation(&self, factor: &Factor<T, N>) -> Coefficients {
         let mut deviation = [0.0; COUNT];
-        for (at, &index) in self.selection.indices().iter().enumerate() {
-            deviation[index] = factor.variance(at).widen().root() * self.scaled[at.min(N - 1)];
+        for ((variance, scale), &index) in factor.variances().iter().zip(&self.scaled).zip(self.selection.indices()) {
+            deviation[index] = variance.widen().root() * scale;
         }
         deviation
     }
+
+    /// The same with the deviation of the attitude now.
+    #[must_use]
+    pub fn standard_deviation_now(&self, factor: &Factor<T, N>, carried: &Carried<N>) -> Coefficients {
+        let mut deviation = self.standard_deviation(factor);
+        for (slot, variance) in deviation.iter_mut().zip(self.attitude_variance(factor, carried)) {
+            *slot = variance.root();
+        }
+        deviation
+    }
+}
+
+/// Sum of products in four interleaved parts, so that it runs side by side.
+#[inline(always)]
+fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    let (a, last_a) = a.as_chunks::<4>();
+    let (b, last_b) = b.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        for l in 0..4 {
+            sums[l] += a[l] * b[l];
+        }
+    }
+    let rest = last_a.iter().zip(last_b).fold(0.0, |sum, (a, b)| sum + a * b);
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }

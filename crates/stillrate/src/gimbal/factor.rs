@@ -1,13 +1,17 @@
 //! Square root of a covariance: P = U U^T with U upper triangular, kept triangular through prediction and update.
 //!
-//! The attitude comes first, so a prediction touches only its three rows (U_psi <- Phi U_psi + Gamma U_theta) and process noise
-//! on the attitude only the leading 3x3 block, which plane rotations make triangular again. A scalar measurement is taken in by Carlson's
+//! What it covers stays constant (see [`Carried`](super::carried::Carried)), so a prediction costs nothing; process noise on the first three
+//! numbers touches only the leading 3x3 block, which plane rotations make triangular again. A scalar measurement is taken in by Carlson's
 //! update (N. A. Carlson, "Fast triangular formulation of the square root filter", AIAA Journal 11(9), 1973): half the work of Potter's and
-//! the same accuracy. In `f32` the square root carries what a covariance would need twice the digits for.
+//! the same accuracy. In `f32` the square root carries what a covariance would need twice the digits for. Columns are walked in groups
+//! of four rows, the zeros below the diagonal included: what the compiler turns into vector code, in the same order at any width.
 
 use nalgebra::SMatrix;
 
 use crate::real::Real;
+
+/// Rows that are computed side by side.
+const GROUP: usize = 4;
 
 /// Upper-triangular square root of the covariance of up to `N` numbers, stored by columns.
 ///
@@ -17,7 +21,7 @@ use crate::real::Real;
 /// let mut factor = Factor::<f64, 4>::unit(4);
 /// let mut row = [0.0; 4];
 /// row[3] = 1.0;
-/// factor.absorb(&row, &[3]); // a measurement of number 3 with variance 1 halves its variance
+/// factor.absorb(&row); // a measurement of number 3 with variance 1 halves its variance
 /// assert!((factor.variance(3) - 0.5).abs() < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,40 +92,12 @@ impl<T: Real, const N: usize> Factor<T, N> {
         self.root.data.0.iter().take(self.count).flatten().all(|x| x.finite())
     }
 
-    /// Prediction: attitude rows 0..3 <- `transition` (columns) times them + `turning` (one column a number, 3..`turns`) times the rest.
+    /// Adds process noise of the given deviation to each of the first three numbers.
     #[inline]
-    pub fn carry(&mut self, transition: &[[T; 3]; 3], turning: &[[T; 4]; N], turns: usize) {
-        let columns = &mut self.root.data.0;
-        for (j, column) in columns.iter_mut().enumerate().take(self.count) {
-            let (a, b, c) = (column[0], column[1], column[2]);
-            let mut top = [T::ZERO; 4];
-            for r in 0..3 {
-                top[r] = transition[0][r] * a + transition[1][r] * b + transition[2][r] * c;
-            }
-            let end = if j < turns { j + 1 } else { turns };
-            // Exact slices, not adapters: these loops are what the compiler turns into vector code.
-            if let (Some(gammas), Some(values)) = (turning.get(3..end), column.get(3..end)) {
-                for (gamma, &value) in gammas.iter().zip(values) {
-                    for r in 0..4 {
-                        top[r] += gamma[r] * value;
-                    }
-                }
-            }
-            column[0] = top[0];
-            column[1] = top[1];
-            column[2] = top[2];
-        }
-    }
-
-    /// Makes the leading block triangular again after [`Factor::carry`], with process noise of the given deviation on each axis.
-    #[inline]
-    pub fn settle(&mut self, noise: [T; 3]) {
+    pub fn spread(&mut self, noise: [T; 3]) {
         let columns = &mut self.root.data.0;
         let top = |c: &[T; N]| [c[0], c[1], c[2]];
         let (mut a, mut b, mut c) = (top(&columns[0]), top(&columns[1]), top(&columns[2]));
-        rotate(&mut a, &mut c, 2);
-        rotate(&mut b, &mut c, 2);
-        rotate(&mut a, &mut b, 1);
         for axis in 0..3 {
             if noise[axis] > T::ZERO {
                 let mut extra = [T::ZERO; 3];
@@ -136,31 +112,19 @@ impl<T: Real, const N: usize> Factor<T, N> {
         }
     }
 
-    /// Takes in a scalar measurement with unit variance; only the entries of `row` named by `support` may be other than 0.
-    #[inline]
-    pub fn absorb(&mut self, row: &[T; N], support: &[usize]) -> Gain<T, N> {
+    /// Takes in a scalar measurement with unit variance.
+    #[inline(always)]
+    pub fn absorb(&mut self, row: &[T; N]) -> Gain<T, N> {
         let count = self.count;
-        let columns = &mut self.root.data.0;
-        let mut sigma = [T::ZERO; N];
-        for &i in support {
-            if i < N {
-                let h = row[i];
-                // Row i of the triangle begins at column i.
-                if let (Some(sums), Some(right)) = (sigma.get_mut(i..count), columns.get(i..count)) {
-                    for (s, column) in sums.iter_mut().zip(right) {
-                        *s += h * column[i];
-                    }
-                }
-            }
-        }
+        let sigma = self.project(row);
         // alpha_j = 1 + sigma_0^2 + ... + sigma_j^2; column j is scaled by sqrt(alpha_{j-1} / alpha_j).
         let mut alpha = T::ONE;
         let mut before = [T::ONE; N];
         let mut after = [T::ONE; N];
-        for j in 0..count {
-            before[j] = alpha;
-            alpha += sigma[j] * sigma[j];
-            after[j] = alpha;
+        for ((b, a), s) in before.iter_mut().zip(&mut after).zip(&sigma) {
+            *b = alpha;
+            alpha += *s * *s;
+            *a = alpha;
         }
         let mut keep = [T::ZERO; N];
         let mut take = [T::ZERO; N];
@@ -170,17 +134,107 @@ impl<T: Real, const N: usize> Factor<T, N> {
             take[j] = sigma[j] * inverse;
         }
         let mut covariance = [T::ZERO; N];
-        for j in 0..count {
+        let (sums, last_sums) = covariance.as_chunks_mut::<GROUP>();
+        for (j, column) in self.root.data.0.iter_mut().enumerate().take(count) {
             let (s, e, z) = (sigma[j], keep[j], take[j]);
-            if let (Some(column), Some(sums)) = (columns[j].get_mut(..=j), covariance.get_mut(..=j)) {
-                for (u, b) in column.iter_mut().zip(sums) {
-                    let old = *u;
-                    *u = e * old - z * *b;
-                    *b += s * old;
+            let (rows, last_rows) = column.as_chunks_mut::<GROUP>();
+            for (u, b) in rows.iter_mut().zip(sums.iter_mut()).take(j / GROUP + 1) {
+                for l in 0..GROUP {
+                    let old = u[l];
+                    u[l] = e * old - z * b[l];
+                    b[l] += s * old;
                 }
+            }
+            for (u, b) in last_rows.iter_mut().zip(last_sums.iter_mut()) {
+                let old = *u;
+                *u = e * old - z * *b;
+                *b += s * old;
             }
         }
         Gain { covariance, variance: alpha }
+    }
+
+    /// U^T h.
+    #[inline(always)]
+    pub fn project(&self, row: &[T; N]) -> [T; N] {
+        let mut sigma = [T::ZERO; N];
+        let (h, last_h) = row.as_chunks::<GROUP>();
+        for (j, (sum, column)) in sigma.iter_mut().zip(&self.root.data.0).enumerate().take(self.count) {
+            let (u, last_u) = column.as_chunks::<GROUP>();
+            let mut sums = [T::ZERO; GROUP];
+            for (h, u) in h.iter().zip(u).take(j / GROUP + 1) {
+                for l in 0..GROUP {
+                    sums[l] += h[l] * u[l];
+                }
+            }
+            *sum = (sums[0] + sums[2]) + (sums[1] + sums[3]);
+            for (h, u) in last_h.iter().zip(last_u) {
+                *sum += *h * *u;
+            }
+        }
+        sigma
+    }
+
+    /// |U^T h|^2 of three rows, their variances, in one walk over the columns.
+    #[must_use]
+    #[inline(always)]
+    pub fn variances_along(&self, rows: &[[T; N]; 3]) -> [T; 3] {
+        let mut squares = [T::ZERO; 3];
+        for (j, column) in self.root.data.0.iter().enumerate().take(self.count) {
+            let (u, last_u) = column.as_chunks::<GROUP>();
+            for (square, row) in squares.iter_mut().zip(rows) {
+                let (h, last_h) = row.as_chunks::<GROUP>();
+                let mut sums = [T::ZERO; GROUP];
+                for (h, u) in h.iter().zip(u).take(j / GROUP + 1) {
+                    for l in 0..GROUP {
+                        sums[l] += h[l] * u[l];
+                    }
+                }
+                let mut sum = (sums[0] + sums[2]) + (sums[1] + sums[3]);
+                for (h, u) in last_h.iter().zip(last_u) {
+                    sum += *h * *u;
+                }
+                *square += sum * sum;
+            }
+        }
+        squares
+    }
+
+    /// U s.
+    #[must_use]
+    pub fn times(&self, s: &[f64; N]) -> [f64; N] {
+        let mut sum = [0.0; N];
+        for (column, s) in self.root.data.0.iter().zip(s).take(self.count) {
+            for (t, u) in sum.iter_mut().zip(column) {
+                *t += u.widen() * s;
+            }
+        }
+        sum
+    }
+
+    /// P g, in double precision whatever `T` is.
+    #[must_use]
+    pub fn weigh(&self, g: &[f64; N]) -> [f64; N] {
+        let mut across = [0.0; N];
+        for (sum, column) in across.iter_mut().zip(&self.root.data.0).take(self.count) {
+            for (u, g) in column.iter().zip(g) {
+                *sum += u.widen() * g;
+            }
+        }
+        self.times(&across)
+    }
+
+    /// Variances of all numbers (sums of the squares of the rows).
+    #[must_use]
+    #[inline(always)]
+    pub fn variances(&self) -> [T; N] {
+        let mut sums = [T::ZERO; N];
+        for column in self.root.data.0.iter().take(self.count) {
+            for (s, u) in sums.iter_mut().zip(column) {
+                *s += *u * *u;
+            }
+        }
+        sums
     }
 
     /// Variance of one number (sum of the squares of its row).
@@ -212,32 +266,19 @@ mod tests {
     }
 
     #[test]
-    fn prediction_and_update_equal_the_literal_covariance_forms() {
+    fn noise_and_update_equal_the_literal_covariance_forms() {
         let mut f = Factor::<f64, 6>::unit(6);
         let mut p = covariance(&f);
         for n in 0..50 {
             let t = f64::from(n) * 0.1;
-            let transition = [[0.9, 0.1 + t * 0.01, 0.0], [-0.1, 0.9, 0.2], [0.05, -0.2, 0.95]];
-            let mut turning = [[0.0; 4]; 6];
-            turning[3] = [0.3, -t, 0.1, 0.0];
-            turning[4] = [0.2, 0.5, t, 0.0];
             let noise = [0.01, 0.02, 0.0];
-            f.carry(&transition, &turning, 5);
-            f.settle(noise);
-            let mut big = SMatrix::<f64, 6, 6>::identity();
-            for r in 0..3 {
-                for c in 0..3 {
-                    big[(r, c)] = transition[c][r];
-                    big[(r, 3 + c)] = turning[3 + c][r];
-                }
-            }
-            p = big * p * big.transpose();
+            f.spread(noise);
             for r in 0..3 {
                 p[(r, r)] += noise[r] * noise[r];
             }
             assert!((covariance(&f) - p).abs().max() < 1e-12 * p.abs().max());
-            let row = [0.0, 1.0 + t, -0.5, 0.0, 0.0, 2.0];
-            let gain = f.absorb(&row, &[1, 2, 5]);
+            let row = [0.3, 1.0 + t, -0.5, t * t, 0.0, 2.0];
+            let gain = f.absorb(&row);
             let h = SMatrix::<f64, 1, 6>::from(row.map(|x| [x]));
             let s = (h * p * h.transpose())[0] + 1.0;
             let ph = p * h.transpose();
@@ -248,6 +289,11 @@ mod tests {
             let before = p.abs().max();
             p -= ph * ph.transpose() / s;
             assert!((covariance(&f) - p).abs().max() < 1e-12 * before);
+            let weighed = f.weigh(&row);
+            for i in 0..6 {
+                assert!((weighed[i] - (p * h.transpose())[i]).abs() < 1e-12 * before);
+                assert!((f.variances()[i] - f.variance(i)).abs() < 1e-14 * before);
+            }
         }
     }
 }

@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::carried::Carried;
 use super::coefficients::{
     COUNT, Coefficients, FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, FORCE_BIAS, FORCE_SCALE, G_INPUT, G_OUTPUT, G_SPIN,
     GYRO_ABOUT_OUTPUT, GYRO_ABOUT_SPIN, GYRO_BIAS,
@@ -45,15 +46,22 @@ pub struct FirstOrderState<T, const N: usize> {
     pub commanded: Matrix3<f64>,
     /// Attitude error now and all coefficients.
     pub coefficients: Coefficients,
-    /// Scaled square root of the covariance.
+    /// Scaled square root of the covariance of attitude error at the start and coefficients.
     pub factor: Factor<T, N>,
+    /// What became of errors of the start.
+    pub carried: Carried<N>,
 }
 
 impl<T: Real, const N: usize> FirstOrder<T, N> {
     /// State before the first step.
     #[must_use]
     pub fn start(&self, prior: &Coefficients) -> FirstOrderState<T, N> {
-        FirstOrderState { commanded: Matrix3::identity(), coefficients: *prior, factor: self.estimator.prior() }
+        FirstOrderState {
+            commanded: Matrix3::identity(),
+            coefficients: *prior,
+            factor: self.estimator.prior(),
+            carried: Carried::unit(),
+        }
     }
 
     /// Interval `k` of a record and the measurement at its end.
@@ -91,17 +99,20 @@ impl<T: Real, const N: usize> FirstOrder<T, N> {
             row[FORCE_SCALE + i] = force[i] + tilt[i];
             row[FORCE_ABOUT_OUTPUT + i] = p;
             row[FORCE_ABOUT_PENDULOUS + i] = -o;
-            innovations[i] = self.estimator.absorb(
-                &mut state.factor,
-                &row,
-                &self.estimator.support(i),
-                measurement.value[i] - predicted,
-                measurement.variance[i],
-                &mut correction,
-            );
+            let (residual, noise) = (measurement.value[i] - predicted, measurement.variance[i]);
+            if noise.finite() && residual.finite() {
+                let weight = 1.0 / noise.root();
+                let row = self.estimator.row(&state.carried, &row, i, weight);
+                let (value, variance) = Estimator::absorb(&mut state.factor, &row, residual * weight, &mut correction);
+                innovations[i] = Innovation { value: value / weight, variance: variance * noise };
+            }
         }
         let scaled = self.estimator.scaled();
-        for ((&index, c), s) in self.estimator.selection.indices().iter().zip(&correction).zip(scaled) {
+        let phi = self.estimator.attitude(&state.carried, &correction);
+        for (x, phi) in state.coefficients.iter_mut().zip(&phi) {
+            *x += phi;
+        }
+        for ((&index, c), s) in self.estimator.selection.indices().iter().zip(&correction).zip(scaled).skip(3) {
             state.coefficients[index] += c * s;
         }
         innovations
@@ -131,8 +142,12 @@ impl<T: Real, const N: usize> FirstOrder<T, N> {
             phi += Vector3::from(*column) * *value;
         }
         x[..3].copy_from_slice(phi.as_slice());
-        let packed = self.estimator.pack_turning(&turning);
-        let transition = self.estimator.pack_transition(&transition);
-        self.estimator.carry(&mut state.factor, &transition, &packed, dt_s);
+        self.estimator.carry(&mut state.factor, &mut state.carried, &transition, &turning, dt_s);
+    }
+
+    /// Standard deviations of attitude now and coefficients, SI; 0 where not estimated.
+    #[must_use]
+    pub fn standard_deviation(&self, state: &FirstOrderState<T, N>) -> Coefficients {
+        self.estimator.standard_deviation_now(&state.factor, &state.carried)
     }
 }

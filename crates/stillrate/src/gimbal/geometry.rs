@@ -61,6 +61,7 @@ fn placed(axes: &[usize; 3], values: [f64; 3]) -> Vector3<f64> {
 /// assert_eq!(axes.input, Vector3::x());
 /// ```
 #[must_use]
+#[inline]
 pub fn gyro_axes(triad: &[usize; 3], about_output: f64, about_spin: f64) -> GyroAxes {
     let (so, co) = sine_cosine(about_output);
     let (ss, cs) = sine_cosine(about_spin);
@@ -82,6 +83,7 @@ pub fn gyro_axes(triad: &[usize; 3], about_output: f64, about_spin: f64) -> Gyro
 /// assert_eq!(axis.by_output_angle, Vector3::y());
 /// ```
 #[must_use]
+#[inline]
 pub fn force_axis(triad: &[usize; 3], about_pendulous: f64, about_output: f64) -> ForceAxis {
     let (sp, cp) = sine_cosine(about_pendulous);
     let (so, co) = sine_cosine(about_output);

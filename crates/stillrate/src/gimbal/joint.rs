@@ -8,6 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::carried::Carried;
 use super::coefficients::Coefficients;
 use super::estimator::{Estimator, Innovation};
 use super::factor::Factor;
@@ -59,8 +60,10 @@ pub struct JointState<T, const N: usize> {
     pub commanded: Matrix3<f64>,
     /// All coefficients; the attitude entries are not used.
     pub coefficients: Coefficients,
-    /// Scaled square root of the covariance.
+    /// Scaled square root of the covariance of attitude at the start and coefficients.
     pub factor: Factor<T, N>,
+    /// What became of errors of the start.
+    pub carried: Carried<N>,
     /// Last believed command, rad/s.
     pub command: Vector3<f64>,
     /// Platform rate of the last step, rad/s.
@@ -96,6 +99,7 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
             commanded: Matrix3::identity(),
             coefficients: *prior,
             factor: self.estimator.prior(),
+            carried: Carried::unit(),
             command: Vector3::zeros(),
             rate: Vector3::zeros(),
             time_s: 0.0,
@@ -109,6 +113,7 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
         self.advance_by(state, &geometry, command, dt_s)
     }
 
+    #[inline(always)]
     fn advance_by(&self, state: &mut JointState<T, N>, geometry: &Geometry, command: [f64; 3], dt_s: f64) -> Flags {
         if !(dt_s.finite() && dt_s > 0.0) {
             return Flags::BAD_TIME;
@@ -121,12 +126,9 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
         let estimator = &self.estimator;
         let step = geometry.step(&estimator.model, &state.rotation, &state.command, dt_s);
         let turning = geometry.turning(&estimator.model, &step, &state.command, dt_s);
-        let turning = estimator.pack_turning(&turning);
-        let transition = estimator.pack_transition(&step.transition);
-        estimator.carry(&mut state.factor, &transition, &turning, dt_s);
+        estimator.carry(&mut state.factor, &mut state.carried, &step.transition, &turning, dt_s);
         if !known {
-            let lost = LOST_COMMAND_RAD_S * dt_s;
-            state.factor.settle(core::array::from_fn(|axis| T::of(lost / estimator.scaled()[axis])));
+            estimator.spread(&mut state.factor, LOST_COMMAND_RAD_S * dt_s);
         }
         state.commanded = estimator.model.commanded_step(&state.commanded, &state.command, &geometry.earth_rate, dt_s);
         state.rotation = step.rotation;
@@ -148,6 +150,7 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
         self.correct_by(state, &geometry, &believed, false)
     }
 
+    #[inline(always)]
     fn correct_by(
         &self,
         state: &mut JointState<T, N>,
@@ -163,43 +166,47 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
             return [Innovation::default(); 3];
         }
         let force_rate = geometry.force_rate(model, &attitude, &state.rate);
-        let mut spread = 0.0;
-        for axis in 0..3 {
-            spread += state.factor.variance(axis).widen() * estimator.scaled()[axis] * estimator.scaled()[axis];
-        }
-        let second = model.gravity_m_s2 * spread;
+        let [x, y, z] = estimator.attitude_variance(&state.factor, &state.carried);
+        let second = model.gravity_m_s2 * (x + y + z);
         let inflation = self.second_order * second * second;
         let mut correction = [0.0; N];
         let mut innovations = [Innovation::default(); 3];
         for axis in 0..3 {
             let (predicted, row) = geometry.output_row(axis, &force, &force_rate);
             let residual = measurement.value[axis] - if is_residual { 0.0 } else { predicted };
-            innovations[axis] = estimator.absorb(
-                &mut state.factor,
-                &row,
-                &estimator.support(axis),
-                residual,
-                measurement.variance[axis] + inflation,
-                &mut correction,
-            );
+            let noise = measurement.variance[axis] + inflation;
+            if noise > 0.0 && noise.finite() && residual.finite() {
+                let weight = 1.0 / noise.root();
+                let row = estimator.row(&state.carried, &row, axis, weight);
+                let (value, variance) = Estimator::absorb(&mut state.factor, &row, residual * weight, &mut correction);
+                innovations[axis] = Innovation { value: value / weight, variance: variance * noise };
+            }
         }
         self.apply(state, &correction);
         innovations
     }
 
     /// Attitude by rotation, coefficients by addition; a correction that is not finite is refused.
+    #[inline(always)]
     fn apply(&self, state: &mut JointState<T, N>, correction: &[f64; N]) {
         let estimator = &self.estimator;
         if !correction.iter().all(|c| c.finite()) {
             state.factor = estimator.prior();
+            state.carried = Carried::unit();
             return;
         }
+        let psi = estimator.attitude(&state.carried, correction);
+        state.rotation = product(&exponential(&-psi), &state.rotation);
         let scaled = estimator.scaled();
-        let turn = Vector3::new(-correction[0] * scaled[0], -correction[1] * scaled[1], -correction[2] * scaled[2]);
-        state.rotation = product(&exponential(&turn), &state.rotation);
         for ((&index, c), s) in estimator.selection.indices().iter().zip(correction).zip(scaled).skip(3) {
             state.coefficients[index] += c * s;
         }
+    }
+
+    /// Standard deviations of attitude now and coefficients, SI; 0 where not estimated.
+    #[must_use]
+    pub fn standard_deviation(&self, state: &JointState<T, N>) -> Coefficients {
+        self.estimator.standard_deviation_now(&state.factor, &state.carried)
     }
 
     /// The coefficients with the attitude filled in: rotation from the commanded to the true platform frame, rad.
@@ -213,6 +220,7 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
 
     /// Interval `k` of a record and the measurement at its end, with the chosen reference inside the window. With windows the result
     /// of epoch k + 1 is known half a window after it.
+    #[inline(always)]
     pub fn epoch(
         &self,
         state: &mut JointState<T, N>,

@@ -5,12 +5,14 @@
 //! Cramer-Rao bound), [`JointFilter`] the on-line one, [`TwoLoop`] the smaller two-loop filter. All run on [`Factor`], one
 //! triangular square root in `f32` or `f64`. Source: a reconstruction of DOI 10.3873/j.issn.1000-1328.2017.06.009.
 
+pub mod carried;
 pub mod coefficients;
 pub mod estimator;
 pub mod factor;
 pub mod first_order;
 pub mod geometry;
 pub mod joint;
+mod line;
 pub mod model;
 pub mod norm_loop;
 pub mod record;
@@ -19,6 +21,7 @@ pub mod rotation;
 pub mod tilt_loop;
 pub mod window;
 
+pub use carried::Carried;
 pub use coefficients::{COUNT, Coefficients, DEFAULT_SCALE, Gauge, NAMES, Options, Selection, Triads};
 pub use estimator::{Estimator, Innovation};
 pub use factor::Factor;

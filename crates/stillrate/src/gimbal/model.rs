@@ -10,11 +10,11 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::coefficients::{
-    ATTITUDE, COUNT, Coefficients, FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, FORCE_BIAS, FORCE_QUADRATIC, FORCE_SCALE,
-    G_INPUT, G_OUTPUT, G_SPIN, GYRO_ABOUT_OUTPUT, GYRO_ABOUT_SPIN, GYRO_BIAS, LATENCY, LATITUDE, TORQUER, Triads,
+    ATTITUDE, COUNT, FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, FORCE_BIAS, FORCE_QUADRATIC, FORCE_SCALE, G_INPUT,
+    G_OUTPUT, G_SPIN, GYRO_ABOUT_OUTPUT, GYRO_ABOUT_SPIN, GYRO_BIAS, LATENCY, LATITUDE, TORQUER, Triads,
 };
 use super::geometry::Geometry;
-use super::rotation::{apply, cross, exponential, product};
+use super::rotation::{apply, cross, exponential, product, turned};
 use crate::error::{ConfigError, positive};
 use crate::real::Real;
 
@@ -113,6 +113,43 @@ impl Model {
     ) -> Matrix3<f64> {
         product(&product(&exponential(&(command * -dt_s)), rotation), &exponential(&(earth_rate * dt_s)))
     }
+
+    /// C f^n of the computed frame after a step, as of [`Model::commanded_step`] but without its matrices.
+    #[must_use]
+    #[inline(always)]
+    pub fn commanded_force(
+        &self,
+        rotation: &Matrix3<f64>,
+        command: &Vector3<f64>,
+        earth_rate: &Vector3<f64>,
+        dt_s: f64,
+    ) -> Vector3<f64> {
+        turned(&(command * -dt_s), &apply(rotation, &turned(&(earth_rate * dt_s), &self.force_n())))
+    }
+}
+
+/// Start of a step: platform rate under the command alone, specific force, and platform rate against the Earth.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Departure {
+    commanded: Vector3<f64>,
+    force: Vector3<f64>,
+    against_earth: Vector3<f64>,
+}
+
+impl Departure {
+    /// Rate and specific force at mid-step, and the constant rate that turns as far as the changing one.
+    #[inline(always)]
+    fn mean_rate(&self, geometry: &Geometry, model: &Model, dt_s: f64) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+        let force = turned(&(self.against_earth * (-0.5 * dt_s)), &self.force);
+        let rate = geometry.rate(&self.commanded, &force);
+        if !model.refined {
+            return (rate, force, rate);
+        }
+        let slope = cross(&force, &rate);
+        let bend = cross(&slope, &rate);
+        let (slope, bend) = (apply(&geometry.force_to_rate, &slope), apply(&geometry.force_to_rate, &bend));
+        (rate, force, rate + (bend * 0.5 + cross(&rate, &slope)) * (dt_s * dt_s / 12.0))
+    }
 }
 
 impl Geometry {
@@ -143,25 +180,34 @@ impl Geometry {
     /// The rate changes with the specific force during the step. A refined model adds the next terms of Magnus' series,
     /// w + T^2/24 w'' + T^2/12 w x w' with w' = K f', f' = f x w: without them drifts of 1 deg/h per g leave 1e-7 m/s^2 after 900 s.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn step(&self, model: &Model, rotation: &Matrix3<f64>, command: &Vector3<f64>, dt_s: f64) -> Step {
+        let (rate, force, mean) = self.departure(model, rotation, command).mean_rate(self, model, dt_s);
+        let transition = exponential(&(mean * -dt_s));
+        let turned = product(&product(&transition, rotation), &exponential(&(self.earth_rate * dt_s)));
+        Step { rotation: turned, rate, force, transition }
+    }
+
+    /// What steps of any length from one attitude under one command share.
+    #[inline(always)]
+    pub(crate) fn departure(&self, model: &Model, rotation: &Matrix3<f64>, command: &Vector3<f64>) -> Departure {
         let commanded = self.commanded_rate(command);
         let force = model.force(rotation);
         let first = self.rate(&commanded, &force);
-        let half = exponential(&((first - apply(rotation, &self.earth_rate)) * (-0.5 * dt_s)));
-        let force = apply(&half, &force);
-        let rate = self.rate(&commanded, &force);
-        let turned_by = if model.refined {
-            let slope = cross(&force, &rate);
-            let bend = cross(&slope, &rate);
-            let (slope, bend) = (apply(&self.force_to_rate, &slope), apply(&self.force_to_rate, &bend));
-            rate + (bend * 0.5 + cross(&rate, &slope)) * (dt_s * dt_s / 12.0)
-        } else {
-            rate
-        };
-        let transition = exponential(&(turned_by * -dt_s));
-        let turned = product(&product(&transition, rotation), &exponential(&(self.earth_rate * dt_s)));
-        Step { rotation: turned, rate, force, transition }
+        Departure { commanded, force, against_earth: first - apply(rotation, &self.earth_rate) }
+    }
+
+    /// f after a step, as of [`Geometry::step`] but without its matrices.
+    #[inline(always)]
+    pub(crate) fn force_after(
+        &self,
+        model: &Model,
+        rotation: &Matrix3<f64>,
+        departure: &Departure,
+        dt_s: f64,
+    ) -> Vector3<f64> {
+        let (_, _, mean) = departure.mean_rate(self, model, dt_s);
+        turned(&(mean * -dt_s), &apply(rotation, &turned(&(self.earth_rate * dt_s), &model.force_n())))
     }
 
     /// dw_p/d(coefficients) at a step, rad/s per unit, without the factor T exp(-[w_p T/2 x]); the latitude enters elsewhere.
@@ -172,7 +218,7 @@ impl Geometry {
 
     /// d(attitude error after the step)/d(coefficients): T exp(-[w_p T/2 x]) dw_p/d(coefficients), and the Earth rate's part.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn turning(&self, model: &Model, step: &Step, command: &Vector3<f64>, dt_s: f64) -> Turning {
         let weight = product(&exponential(&(step.rate * (-0.5 * dt_s))), &self.drift_to_rate) * dt_s;
         let mut turning = self.spread(model, step, command, &weight);
@@ -205,10 +251,15 @@ impl Geometry {
     #[must_use]
     #[inline]
     pub fn output(&self, model: &Model, rotation: &Matrix3<f64>) -> [f64; 3] {
+        self.output_under(&model.force(rotation))
+    }
+
+    /// The same under a specific force in platform axes.
+    #[inline(always)]
+    pub(crate) fn output_under(&self, force: &Vector3<f64>) -> [f64; 3] {
         let x = &self.coefficients;
-        let force = model.force(rotation);
         core::array::from_fn(|i| {
-            let u = self.forces[i].input.dot(&force);
+            let u = self.forces[i].input.dot(force);
             x[FORCE_BIAS + i] + (1.0 + x[FORCE_SCALE + i] + x[FORCE_QUADRATIC + i] * u) * u
         })
     }
@@ -241,11 +292,5 @@ impl Geometry {
     pub fn force_rate(&self, model: &Model, rotation: &Matrix3<f64>, rate: &Vector3<f64>) -> Vector3<f64> {
         let force = model.force(rotation);
         cross(&force, rate) + apply(rotation, &cross(&self.earth_rate, &model.force_n()))
-    }
-
-    /// The coefficients this geometry was made from.
-    #[must_use]
-    pub const fn coefficients(&self) -> &Coefficients {
-        &self.coefficients
     }
 }

@@ -133,7 +133,7 @@ impl<T: Real> NormLoop<T> {
         let variance = measurement.variance[0] + SECOND_ORDER * second * second;
         let weight = 1.0 / variance.root();
         let row = before.derivative.map(|d| T::of(d.dot(&direction) * weight));
-        let gain = state.factor.absorb(&row, &[0, 1, 2, 3, 4, 5, 6, 7, 8]);
+        let gain = state.factor.absorb(&row);
         let factor = (self.model.gravity_m_s2 - length) * weight / gain.variance.widen();
         for ((index, p), s) in NORM_INDICES.into_iter().zip(gain.covariance).zip(self.scale) {
             state.coefficients[index] += p.widen() * factor * s;

@@ -6,17 +6,12 @@
 //! pairwise slopes (Theil 1950, Sen 1968), drops what is farther than six sigma from it, and fits the rest. A missing sample is
 //! left out; where fewer than three remain of a window that has three or more, the axis is skipped.
 
+use super::line::{WINDOW, calm, line};
 use crate::error::{ConfigError, positive};
 use crate::real::Real;
 
 /// Most samples to either side of an epoch.
 pub const HALF_WINDOW_MAX: usize = 8;
-const WINDOW: usize = 2 * HALF_WINDOW_MAX + 1;
-/// A sample farther than this many sigma from the robust line is a spike.
-const SPIKE_SIGMA: f64 = 6.0;
-/// Where no residual of the least-squares line exceeds this many sigma, no sample can be beyond [`SPIKE_SIGMA`] from
-/// the robust one, so the search for it is spared.
-const CALM_SIGMA: f64 = 2.0;
 
 /// Commands and accelerometer samples of a run, borrowed from the caller.
 ///
@@ -123,6 +118,11 @@ impl<'a> Record<'a> {
     #[must_use]
     #[inline]
     pub fn command(&self, k: usize) -> [f64; 3] {
+        if let Some(w) = self.command.get(k)
+            && w.iter().all(|x| x.finite())
+        {
+            return *w;
+        }
         let before = self.command.get(..=k).unwrap_or(self.command);
         before.iter().rev().find(|w| w.iter().all(|x| x.finite())).copied().unwrap_or([0.0; 3])
     }
@@ -144,7 +144,7 @@ impl<'a> Record<'a> {
     }
 
     /// Intercept of samples minus `predicted(j)` around epoch `k`, with its variance.
-    #[inline]
+    #[inline(always)]
     pub fn intercept(&self, k: usize, robust: bool, mut predicted: impl FnMut(isize) -> [f64; 3]) -> Measurement {
         let mut difference = [[0.0; WINDOW]; 3];
         let mut place = [0.0; WINDOW];
@@ -162,130 +162,16 @@ impl<'a> Record<'a> {
         }
         let mut measurement = Measurement::NONE;
         for axis in 0..3 {
-            if let Some((value, factor)) = line(&place, &difference[axis], n, self.sigma, robust) {
+            // The common case: a full window without a spike.
+            let full = if n == self.half * 2 + 1 { calm(&difference[axis], self.half, self.sigma) } else { None };
+            if let Some(value) = full {
+                measurement.value[axis] = value;
+                measurement.variance[axis] = self.sigma * self.sigma / n as f64;
+            } else if let Some((value, factor)) = line(&place, &difference[axis], n, self.sigma, robust) {
                 measurement.value[axis] = value;
                 measurement.variance[axis] = factor * self.sigma * self.sigma;
             }
         }
         measurement
-    }
-}
-
-/// Least-squares line through the marked points: intercept, slope and variance factor of the intercept.
-#[inline(always)]
-fn least_squares(x: &[f64; WINDOW], y: &[f64; WINDOW], keep: &[bool; WINDOW], n: usize) -> Option<(f64, f64, f64)> {
-    let (mut s0, mut s1, mut s2, mut t0, mut t1) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for i in 0..n.min(WINDOW) {
-        if keep[i] {
-            s0 += 1.0;
-            s1 += x[i];
-            s2 += x[i] * x[i];
-            t0 += y[i];
-            t1 += x[i] * y[i];
-        }
-    }
-    let determinant = s0 * s2 - s1 * s1;
-    if determinant > 0.0 {
-        Some(((s2 * t0 - s1 * t1) / determinant, (s0 * t1 - s1 * t0) / determinant, s2 / determinant))
-    } else if s0 > 0.0 && n == 1 {
-        Some((t0, 0.0, 1.0))
-    } else {
-        None
-    }
-}
-
-/// Middle value of the first `n` numbers (sorts them).
-fn median<const M: usize>(values: &mut [f64; M], n: usize) -> f64 {
-    let used = values.get_mut(..n).unwrap_or(&mut []);
-    // NaN cannot occur: only finite samples come here.
-    used.sort_unstable_by(f64::total_cmp);
-    let (low, high) = (used.get(n.saturating_sub(1) / 2), used.get(n / 2));
-    match (low, high) {
-        (Some(a), Some(b)) => 0.5 * (a + b),
-        _ => 0.0,
-    }
-}
-
-/// Intercept and its variance factor; nothing where too few points remain.
-fn line(x: &[f64; WINDOW], y: &[f64; WINDOW], n: usize, sigma: f64, robust: bool) -> Option<(f64, f64)> {
-    let mut keep = [false; WINDOW];
-    let mut present = 0;
-    for i in 0..n.min(WINDOW) {
-        keep[i] = y[i].finite();
-        present += usize::from(keep[i]);
-    }
-    if present < n.min(3) {
-        return None;
-    }
-    let (intercept, slope, factor) = least_squares(x, y, &keep, n)?;
-    let off = |i: usize, a: f64, b: f64| (y[i] - a - b * x[i]).magnitude();
-    let calm = (0..n.min(WINDOW)).all(|i| !keep[i] || off(i, intercept, slope) <= CALM_SIGMA * sigma);
-    if !robust || calm || n < 3 {
-        return Some((intercept, factor));
-    }
-    let mut slopes = [0.0; WINDOW * (WINDOW - 1) / 2];
-    let mut count = 0;
-    for i in 0..n.min(WINDOW) {
-        for k in 0..i {
-            if keep[i] && keep[k] {
-                slopes[count] = (y[i] - y[k]) / (x[i] - x[k]);
-                count += 1;
-            }
-        }
-    }
-    let slope = median(&mut slopes, count);
-    let mut levels = [0.0; WINDOW];
-    let mut level_count = 0;
-    for i in 0..n.min(WINDOW) {
-        if keep[i] {
-            levels[level_count] = y[i] - slope * x[i];
-            level_count += 1;
-        }
-    }
-    let level = median(&mut levels, level_count);
-    let mut left = 0;
-    for i in 0..n.min(WINDOW) {
-        keep[i] = keep[i] && off(i, level, slope) <= SPIKE_SIGMA * sigma;
-        left += usize::from(keep[i]);
-    }
-    if left < 3 {
-        return None;
-    }
-    least_squares(x, y, &keep, n).map(|(intercept, _, factor)| (intercept, factor))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn points(values: &[f64]) -> ([f64; WINDOW], [f64; WINDOW]) {
-        let mut x = [0.0; WINDOW];
-        let mut y = [0.0; WINDOW];
-        for (i, v) in values.iter().enumerate() {
-            x[i] = i as f64 - 2.0;
-            y[i] = *v;
-        }
-        (x, y)
-    }
-
-    #[test]
-    fn one_spike_does_not_move_the_robust_line() {
-        let (x, y) = points(&[1.0, 2.0, 3.0, 1e6, 5.0]);
-        let (value, factor) = line(&x, &y, 5, 1.0, true).unwrap();
-        assert!((value - 3.0).abs() < 1e-12);
-        assert!(factor > 0.2);
-        assert!(line(&x, &y, 5, 1.0, false).unwrap().0 > 1e5);
-    }
-
-    #[test]
-    fn skips_an_axis_with_too_few_samples() {
-        let (x, y) = points(&[1.0, f64::NAN, f64::NAN, f64::INFINITY, 5.0]);
-        assert_eq!(line(&x, &y, 5, 1.0, true), None);
-    }
-
-    #[test]
-    fn a_full_window_has_a_fifth_of_the_variance() {
-        let (x, y) = points(&[0.0; 5]);
-        assert_eq!(line(&x, &y, 5, 1.0, true), Some((0.0, 0.2)));
     }
 }

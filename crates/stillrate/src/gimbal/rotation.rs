@@ -10,11 +10,17 @@ use crate::real::Real;
 
 /// Squared angle up to which the series serve, rad^2.
 const SERIES_LIMIT: f64 = 0.25;
+/// Squared angle up to which four terms of them do (the fifth is below 3e-18 of the sum).
+const SHORT_LIMIT: f64 = 1e-3;
 
 /// sin t / t and (1 - cos t) / t^2 as functions of t^2.
 #[inline(always)]
 fn rodrigues(t2: f64) -> (f64, f64) {
-    if t2 <= SERIES_LIMIT {
+    if t2 <= SHORT_LIMIT {
+        let a = 1.0 + t2 * (-1.0 / 6.0 + t2 * (1.0 / 120.0 - t2 * (1.0 / 5040.0)));
+        let b = 0.5 + t2 * (-1.0 / 24.0 + t2 * (1.0 / 720.0 - t2 * (1.0 / 40_320.0)));
+        (a, b)
+    } else if t2 <= SERIES_LIMIT {
         let a = 1.0
             + t2 * (-1.0 / 6.0
                 + t2 * (1.0 / 120.0
@@ -44,7 +50,7 @@ fn rodrigues(t2: f64) -> (f64, f64) {
 /// assert!((quarter * Vector3::x() - Vector3::y()).abs().max() < 1e-15);
 /// ```
 #[must_use]
-#[inline]
+#[inline(always)]
 pub fn exponential(v: &Vector3<f64>) -> Matrix3<f64> {
     let (x, y, z) = (v[0], v[1], v[2]);
     let (xx, yy, zz) = (x * x, y * y, z * z);
@@ -61,6 +67,20 @@ pub fn exponential(v: &Vector3<f64>) -> Matrix3<f64> {
         bxz - ay,
         byz + ax,
         1.0 - b * (xx + yy),
+    )
+}
+
+/// exp(+[v x]) f without the matrix: f + a v x f + b v x (v x f).
+#[must_use]
+#[inline(always)]
+pub(crate) fn turned(v: &Vector3<f64>, f: &Vector3<f64>) -> Vector3<f64> {
+    let (a, b) = rodrigues(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    let once = cross(v, f);
+    let twice = cross(v, &once);
+    Vector3::new(
+        f[0] + (a * once[0] + b * twice[0]),
+        f[1] + (a * once[1] + b * twice[1]),
+        f[2] + (a * once[2] + b * twice[2]),
     )
 }
 
@@ -86,7 +106,7 @@ pub fn logarithm(r: &Matrix3<f64>) -> Vector3<f64> {
 
 /// Sine and cosine of a mounting angle: the series below half a radian, else the general function.
 #[must_use]
-#[inline]
+#[inline(always)]
 pub(crate) fn sine_cosine(angle: f64) -> (f64, f64) {
     let t2 = angle * angle;
     if t2 <= SERIES_LIMIT {
@@ -130,12 +150,21 @@ mod tests {
 
     #[test]
     fn the_series_meet_the_closed_form_at_the_limit() {
-        for t2 in [0.2499, 0.25] {
+        for t2 in [9.99e-4, 1.001e-3, 0.2499, 0.25] {
             let t = f64::root(t2);
-            let (sine, cosine) = t.sine_cosine();
+            let (sine, half) = (t.sine_cosine().0, (0.5 * t).sine_cosine().0);
             let (a, b) = rodrigues(t2);
             assert!((a - sine / t).abs() < 3e-16);
-            assert!((b - (1.0 - cosine) / t2).abs() < 2e-15);
+            // 1 - cos t = 2 sin^2(t / 2) keeps its digits.
+            assert!((b - 2.0 * half * half / t2).abs() < 3e-16);
+        }
+    }
+
+    #[test]
+    fn a_vector_turns_as_the_matrix_turns_it() {
+        for v in [[1e-5, -3e-6, 2e-6], [0.01, 0.02, -0.005], [0.3, -0.2, 0.1], [2.0, -1.0, 3.0]] {
+            let (v, f) = (Vector3::from(v), Vector3::new(0.3, 9.8, -4.0));
+            assert!((turned(&v, &f) - exponential(&v) * f).abs().max() < 1e-14);
         }
     }
 

@@ -8,6 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::carried::Carried;
 use super::coefficients::{COUNT, Coefficients, FORCE_BIAS, Selection};
 use super::estimator::Estimator;
 use super::factor::Factor;
@@ -55,8 +56,10 @@ pub struct TiltState<T> {
     pub commanded: Matrix3<f64>,
     /// Coefficients; this loop changes those of the gyros.
     pub coefficients: Coefficients,
-    /// Scaled square root of the covariance.
+    /// Scaled square root of the covariance of attitude at the start and coefficients.
     pub factor: Factor<T, TILT_COUNT>,
+    /// What became of errors of the start.
+    pub carried: Carried<TILT_COUNT>,
 }
 
 impl<T: Real> TwoLoop<T> {
@@ -84,6 +87,7 @@ impl<T: Real> TwoLoop<T> {
             commanded: Matrix3::identity(),
             coefficients: *prior,
             factor: self.tilt.prior(),
+            carried: Carried::unit(),
         }
     }
 
@@ -94,9 +98,8 @@ impl<T: Real> TwoLoop<T> {
         let geometry = Geometry::new(model, &state.coefficients);
         let command = Vector3::from(record.command(k));
         let step = geometry.step(model, &state.rotation, &command, dt_s);
-        let turning = self.tilt.pack_turning(&geometry.turning(model, &step, &command, dt_s));
-        let transition = self.tilt.pack_transition(&step.transition);
-        self.tilt.carry(&mut state.factor, &transition, &turning, dt_s);
+        let turning = geometry.turning(model, &step, &command, dt_s);
+        self.tilt.carry(&mut state.factor, &mut state.carried, &step.transition, &turning, dt_s);
         state.rotation = step.rotation;
         state.commanded = model.commanded_step(&state.commanded, &command, &geometry.earth_rate, dt_s);
         commanded(model, record, k + 1, &state.commanded, &geometry.earth_rate, self.tilt.robust)
@@ -111,10 +114,8 @@ impl<T: Real> TwoLoop<T> {
         let residual = back * (found - force);
         let slope = back * force.cross_matrix();
         let doubt = back * doubt * state.rotation;
-        let spread = (0..3)
-            .map(|axis| state.factor.variance(axis).widen() * scaled[axis] * scaled[axis])
-            .fold(0.0, |a, b| a + b);
-        let second = model.gravity_m_s2 * spread;
+        let [x, y, z] = self.tilt.attitude_variance(&state.factor, &state.carried);
+        let second = model.gravity_m_s2 * (x + y + z);
         let mut correction = [0.0; TILT_COUNT];
         for component in [0, 2] {
             let mut row = [0.0; COUNT];
@@ -122,10 +123,14 @@ impl<T: Real> TwoLoop<T> {
                 row[c] = slope[(component, c)];
             }
             let noise = variance + SECOND_ORDER * second * second + doubt[(component, component)];
-            self.tilt.absorb(&mut state.factor, &row, &[0, 1, 2], residual[component], noise, &mut correction);
+            if noise.finite() && residual[component].finite() {
+                let weight = 1.0 / noise.root();
+                let row = self.tilt.row(&state.carried, &row, 0, weight);
+                Estimator::absorb(&mut state.factor, &row, residual[component] * weight, &mut correction);
+            }
         }
-        let turn = Vector3::new(-correction[0] * scaled[0], -correction[1] * scaled[1], -correction[2] * scaled[2]);
-        state.rotation = product(&exponential(&turn), &state.rotation);
+        let psi = self.tilt.attitude(&state.carried, &correction);
+        state.rotation = product(&exponential(&-psi), &state.rotation);
         for ((&index, c), s) in self.tilt.selection.indices().iter().zip(&correction).zip(scaled).skip(3) {
             state.coefficients[index] += c * s;
         }
@@ -185,7 +190,7 @@ impl<T: Real> TwoLoop<T> {
 
     fn finish(&self, norm: &NormState<T>, tilt: &TiltState<T>) -> (Coefficients, Coefficients) {
         let mut deviation = self.norm.standard_deviation(norm);
-        let by_tilt = self.tilt.standard_deviation(&tilt.factor);
+        let by_tilt = self.tilt.standard_deviation_now(&tilt.factor, &tilt.carried);
         deviation[..FORCE_BIAS].copy_from_slice(&by_tilt[..FORCE_BIAS]);
         (together(&norm.coefficients, &tilt.coefficients), deviation)
     }

@@ -52,7 +52,7 @@ pub fn commanded(
         let force = if j == 0 {
             centre
         } else {
-            model.force(&model.commanded_step(commanded, &command_at(record, k, dt_s), earth_rate, dt_s))
+            model.commanded_force(commanded, &command_at(record, k, dt_s), earth_rate, dt_s)
         };
         force.into()
     });
@@ -64,7 +64,7 @@ pub fn commanded(
 
 /// Residual at epoch `k` against the model: samples minus model outputs, as one intercept an axis.
 #[must_use]
-#[inline]
+#[inline(always)]
 pub fn against_model(
     geometry: &Geometry,
     model: &Model,
@@ -74,13 +74,12 @@ pub fn against_model(
     robust: bool,
 ) -> Measurement {
     let latency = geometry.coefficients[LATENCY];
+    let before = geometry.departure(model, rotation, &command_at(record, k, -1.0));
+    let after = geometry.departure(model, rotation, &command_at(record, k, 1.0));
     record.intercept(k, robust, |j| {
         let dt_s = record.offset_s(j) - latency;
-        if dt_s == 0.0 {
-            geometry.output(model, rotation)
-        } else {
-            geometry.output(model, &geometry.step(model, rotation, &command_at(record, k, dt_s), dt_s).rotation)
-        }
+        let from = if dt_s < 0.0 { &before } else { &after };
+        geometry.output_under(&geometry.force_after(model, rotation, from, dt_s))
     })
 }
 
