@@ -18,6 +18,7 @@ mod logs;
 mod observability;
 mod rate_table;
 mod recursive;
+mod samples;
 mod servo;
 mod servo_filters;
 mod servo_objects;
