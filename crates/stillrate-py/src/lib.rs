@@ -22,6 +22,7 @@ mod samples;
 mod servo;
 mod servo_filters;
 mod servo_objects;
+mod vector_rls;
 
 /// The compiled half of the Python package.
 #[pymodule]
@@ -40,5 +41,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     servo_filters::register(module)?;
     observability::register(module)?;
     recursive::register(module)?;
+    vector_rls::register(module)?;
     Ok(())
 }
