@@ -1,5 +1,5 @@
 # Everything here works on a fresh machine with Python >= 3.11 (venv) and a Rust toolchain.
-.PHONY: demo test test-rust test-instructions test-python test-long test-proofs test-embedded fuzz bench docs test-docs lint build clean
+.PHONY: demo test test-rust test-instructions test-python test-long test-proofs test-embedded fuzz bench docs test-docs package lint build clean
 PY := .venv/bin/python
 STAMP := .venv/.installed
 
@@ -64,6 +64,10 @@ test-docs: docs
 bench: $(STAMP)
 	$(PY) -m pip install --quiet -r benches/requirements.txt
 	cd benches && ../$(PY) bench.py && ../$(PY) accuracy.py && ../$(PY) scaling.py
+
+# Wheel, source archive and crates, installed and used as a stranger would; takes what it depends on from the indexes.
+package: .venv/.tools
+	$(PY) tests/install_check.py dist
 
 lint: .venv/.test-tools
 	cargo fmt --check

@@ -18,9 +18,11 @@ mod logs;
 mod observability;
 mod rate_table;
 mod recursive;
+mod samples;
 mod servo;
 mod servo_filters;
 mod servo_objects;
+mod vector_rls;
 
 /// The compiled half of the Python package.
 #[pymodule]
@@ -39,5 +41,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     servo_filters::register(module)?;
     observability::register(module)?;
     recursive::register(module)?;
+    vector_rls::register(module)?;
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! The rate-table error model and the tuning of its filters: arrays to slices and back.
 mod model;
 mod network;
+mod noise_tuning;
 mod search;
 mod study;
 
@@ -11,6 +12,7 @@ use pyo3::prelude::*;
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     network::register(module)?;
     search::register(module)?;
+    noise_tuning::register(module)?;
     model::register(module)?;
     study::register(module)
 }

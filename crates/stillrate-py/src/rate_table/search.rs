@@ -1,31 +1,19 @@
-//! Optimisers over Python callables, and the tuning of Q/R and of the bank over records.
+//! Optimisers over Python callables.
 
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use stillrate_lab::random::{Generator, SplitMix64};
 use stillrate_lab::tune::brent::Brent;
-use stillrate_lab::tune::gain_ratio::{Criterion, GainRatio, Walk};
 use stillrate_lab::tune::minimise::{Method, Minimum, Objective, Progress, minimise};
 use stillrate_lab::tune::qpso::{Attractor, Bound as BoxBound, Qpso};
-use stillrate_lab::tune::records::Record;
-use stillrate_lab::tune::track;
-use stillrate_lab::tune::tuned::{self, Tuned};
-use stillrate_lab::tune::tuned_bank::tune_bank as tune_bank_on;
 
-use super::{slice, value_error};
+use super::value_error;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(uniforms, module)?)?;
     module.add_function(wrap_pyfunction!(minimise_callable, module)?)?;
-    module.add_function(wrap_pyfunction!(qpso_trace, module)?)?;
-    module.add_function(wrap_pyfunction!(kalman_random_walk, module)?)?;
-    module.add_function(wrap_pyfunction!(kalman_track, module)?)?;
-    module.add_function(wrap_pyfunction!(kalman_score, module)?)?;
-    module.add_function(wrap_pyfunction!(compare_rates, module)?)?;
-    module.add_function(wrap_pyfunction!(tune_noise, module)?)?;
-    module.add_function(wrap_pyfunction!(tune_bank, module)?)?;
-    module.add_class::<NoiseObjective>()
+    module.add_function(wrap_pyfunction!(qpso_trace, module)?)
 }
 
 /// The first numbers of the SplitMix64 generator, uniform in 0..1.
@@ -57,7 +45,7 @@ impl Objective for Callable<'_, '_> {
 }
 
 /// Reads "brent" or "qpso" with its options.
-fn method_from(name: &str, options: &Bound<'_, PyDict>) -> PyResult<Method> {
+pub(super) fn method_from(name: &str, options: &Bound<'_, PyDict>) -> PyResult<Method> {
     let mut brent = Brent::default();
     let mut qpso = Qpso::default();
     for (key, value) in options {
@@ -98,7 +86,7 @@ fn method_from(name: &str, options: &Bound<'_, PyDict>) -> PyResult<Method> {
 }
 
 /// Whether to go on, as the Python callback says (no answer is yes).
-fn ask(progress: Option<&Bound<'_, PyAny>>, state: &Progress) -> bool {
+pub(super) fn ask(progress: Option<&Bound<'_, PyAny>>, state: &Progress) -> bool {
     let Some(progress) = progress else { return true };
     match progress.call1((state.iteration, state.evaluations, state.value)) {
         Ok(answer) => answer.is_none() || answer.is_truthy().unwrap_or(true),
@@ -167,219 +155,4 @@ fn qpso_trace<'py>(
         list.append(dict)?;
     }
     Ok(list)
-}
-
-/// Innovation score, R^ and settled gain of a run of the scalar filter.
-#[pyfunction]
-fn kalman_score(
-    measured: PyReadonlyArray1<'_, f64>,
-    process_noise: f64,
-    measurement_variance: f64,
-    start_rate: f64,
-    start_variance: f64,
-) -> PyResult<(f64, f64, f64)> {
-    let z = slice(&measured)?;
-    let run = track::random_walk(z, process_noise, measurement_variance, start_rate, start_variance);
-    let score = track::score(&run.map_err(value_error)?, z, process_noise, measurement_variance);
-    Ok((score.innovation, score.measurement_variance, score.settled_gain))
-}
-
-/// Mean squared and mean absolute difference.
-#[pyfunction]
-fn compare_rates(estimate: PyReadonlyArray1<'_, f64>, truth: PyReadonlyArray1<'_, f64>) -> PyResult<(f64, f64)> {
-    let (estimate, truth) = (slice(&estimate)?, slice(&truth)?);
-    if estimate.len() != truth.len() || truth.is_empty() {
-        return Err(value_error(format!(
-            "{} estimates for {} true rates (must be as many)",
-            estimate.len(),
-            truth.len()
-        )));
-    }
-    let cell = stillrate_lab::rate_table::table3::cell(estimate, truth);
-    Ok((cell.mse, cell.mae))
-}
-
-type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
-
-/// Rate, gain and variance of the scalar random-walk filter.
-#[pyfunction]
-fn kalman_random_walk<'py>(
-    py: Python<'py>,
-    measured: PyReadonlyArray1<'py, f64>,
-    process_noise: f64,
-    measurement_variance: f64,
-    start_rate: f64,
-    start_variance: f64,
-) -> PyResult<Arrays<'py>> {
-    let z = slice(&measured)?;
-    let run = track::random_walk(z, process_noise, measurement_variance, start_rate, start_variance);
-    let run = run.map_err(value_error)?;
-    Ok((PyArray1::from_vec(py, run.rate), PyArray1::from_vec(py, run.gain), PyArray1::from_vec(py, run.variance)))
-}
-
-/// Rate of the small filter of a given log10(Q/R).
-#[pyfunction]
-fn kalman_track<'py>(
-    py: Python<'py>,
-    measured: PyReadonlyArray1<'py, f64>,
-    model: &str,
-    log10_ratio: f64,
-    period_s: f64,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let rate = track::track(walk_from(model)?, log10_ratio, period_s, slice(&measured)?);
-    Ok(PyArray1::from_vec(py, rate))
-}
-
-fn walk_from(model: &str) -> PyResult<Walk> {
-    match model {
-        "random-walk" => Ok(Walk::RandomWalk),
-        "rate-acceleration" => Ok(Walk::RateAcceleration),
-        other => Err(value_error(format!("model = {other:?} (must be 'random-walk', 'rate-acceleration' or 'imm')"))),
-    }
-}
-
-/// Records owned for the time of a search, and the objective over them.
-#[pyclass(module = "stillrate._native")]
-struct NoiseObjective {
-    measured: Vec<Vec<f64>>,
-    truth: Option<Vec<Vec<f64>>>,
-    walk: Walk,
-    criterion: Criterion,
-    period_s: f64,
-}
-
-impl NoiseObjective {
-    fn records(&self) -> Vec<Record<'_>> {
-        let truth = |k: usize| self.truth.as_ref().map(|t| t[k].as_slice());
-        self.measured.iter().enumerate().map(|(k, y)| Record { measured: y, truth: truth(k) }).collect()
-    }
-}
-
-#[pymethods]
-impl NoiseObjective {
-    #[new]
-    fn new(
-        measured: Vec<PyReadonlyArray1<'_, f64>>,
-        truth: Option<Vec<PyReadonlyArray1<'_, f64>>>,
-        model: &str,
-        criterion: &str,
-        period_s: f64,
-    ) -> PyResult<Self> {
-        let own = |arrays: &[PyReadonlyArray1<'_, f64>]| {
-            arrays.iter().map(|a| slice(a).map(<[f64]>::to_vec)).collect::<PyResult<Vec<_>>>()
-        };
-        let criterion = match criterion {
-            "innovation" => Criterion::Innovation,
-            "truth" => Criterion::Truth,
-            other => return Err(value_error(format!("objective = {other:?} (must be 'innovation' or 'truth')"))),
-        };
-        let objective = Self {
-            measured: own(&measured)?,
-            truth: truth.as_deref().map(own).transpose()?,
-            walk: walk_from(model)?,
-            criterion,
-            period_s,
-        };
-        if let Some(truth) = objective.truth.as_ref().filter(|truth| truth.len() != objective.measured.len()) {
-            return Err(value_error(format!("{} true records for {} measured", truth.len(), objective.measured.len())));
-        }
-        tuned::check(&objective.records(), period_s, criterion).map_err(value_error)?;
-        Ok(objective)
-    }
-
-    /// Whether something moves in at least one record.
-    fn moving(&self) -> bool {
-        self.records().iter().any(|record| record.moves(self.period_s))
-    }
-
-    /// Lower and upper end of log10(Q/R).
-    fn range(&self) -> (f64, f64) {
-        tuned::range(self.walk, self.period_s)
-    }
-
-    /// Values at points of one dimension (log10 Q/R) or two (log10 Q, log10 R), given row after row.
-    fn values<'py>(
-        &self,
-        py: Python<'py>,
-        points: PyReadonlyArray1<'py, f64>,
-        dimensions: usize,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        if dimensions != 1 && dimensions != 2 {
-            return Err(value_error(format!("dimensions = {dimensions} (must be 1 or 2)")));
-        }
-        let points = slice(&points)?;
-        let values = py.detach(|| {
-            let records = self.records();
-            let (walk, criterion, period_s) = (self.walk, self.criterion, self.period_s);
-            GainRatio { records: &records, walk, criterion, period_s }.values(points, dimensions)
-        });
-        Ok(PyArray1::from_vec(py, values))
-    }
-
-    /// Completes a point found elsewhere.
-    fn finish<'py>(
-        &self,
-        py: Python<'py>,
-        point: Vec<f64>,
-        value: f64,
-        evaluations: usize,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let records = self.records();
-        let (walk, criterion, period_s) = (self.walk, self.criterion, self.period_s);
-        let objective = GainRatio { records: &records, walk, criterion, period_s };
-        as_dict(py, &tuned::finish(&objective, &point, value, evaluations))
-    }
-}
-
-fn as_dict<'py>(py: Python<'py>, tuned: &Tuned) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    dict.set_item("log10_ratio", tuned.log10_ratio)?;
-    dict.set_item("process_noise", tuned.process_noise)?;
-    dict.set_item("measurement_variance", tuned.measurement_variance)?;
-    dict.set_item("objective", tuned.value)?;
-    dict.set_item("evaluations", tuned.evaluations)?;
-    dict.set_item("moving", tuned.moving)?;
-    dict.set_item("warnings", tuned.warnings())?;
-    Ok(dict)
-}
-
-/// Tunes Q/R by Brent or QPSO.
-#[pyfunction]
-fn tune_noise<'py>(
-    py: Python<'py>,
-    objective: &NoiseObjective,
-    method: &str,
-    options: &Bound<'py, PyDict>,
-    separate: bool,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let method = method_from(method, options)?;
-    let found = py.detach(|| {
-        let mut report = |state: &Progress| match &progress {
-            Some(callback) => Python::attach(|py| ask(Some(callback.bind(py)), state)),
-            None => true,
-        };
-        let (walk, criterion, period_s) = (objective.walk, objective.criterion, objective.period_s);
-        tuned::tune(&objective.records(), period_s, walk, criterion, &method, separate, &mut report)
-    });
-    as_dict(py, &found.map_err(value_error)?)
-}
-
-/// Tunes density and rate random walk of the recommended bank: (density, walk, objective, evaluations).
-#[pyfunction]
-fn tune_bank(
-    py: Python<'_>,
-    objective: &NoiseObjective,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<(f64, f64, f64, usize)> {
-    let found = py.detach(|| {
-        let mut report = |state: &Progress| match &progress {
-            Some(callback) => Python::attach(|py| ask(Some(callback.bind(py)), state)),
-            None => true,
-        };
-        tune_bank_on(&objective.records(), objective.period_s, &mut report)
-    });
-    let found = found.map_err(value_error)?;
-    let noise = found.noise;
-    Ok((noise.density_dps_sqrt_hz, noise.rate_random_walk_dps_sqrt_s, found.value, found.evaluations))
 }
