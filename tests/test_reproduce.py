@@ -52,6 +52,14 @@ def test_the_short_form_gives_what_is_committed(study: str, rows: list[Row]) -> 
             assert same(one[key], other[key]), (one["quantity"], key, one[key], other[key])
 
 
+@pytest.mark.long
+def test_the_full_form_has_the_same_rows_as_the_short_one(rows: list[Row]) -> None:
+    full = [row for _, found in run(STUDIES) for row in found]
+    assert [(row.study, row.quantity, row.published) for row in full] == [
+        (row.study, row.quantity, row.published) for row in rows
+    ]
+
+
 def test_a_figure_that_moves_is_noticed() -> None:
     assert not same(2.0, 2.0 * (1 + 1e-5)) and not same(None, 1.0) and not same("inf", 1.0)
     assert same(2.0, 2.0 * (1 + 1e-7)) and same(1e-11, 3e-11)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -86,6 +87,8 @@ def _rows(names: list[str], console: Console, folder: Path | None, *, short: boo
             raise UsageError(f"{folder}: there is no folder {folder.parent}")
         if folder.exists() and not folder.is_dir():
             raise UsageError(f"{folder} is a file (must be a folder)")
+        if not os.access(folder if folder.exists() else folder.absolute().parent, os.W_OK):
+            raise UsageError(f"{folder}: may not be written")
         if folder.is_dir():
             refuse_taken([folder / PAGE, folder / DATA], force=force)
     errors = Console(stderr=True, quiet=quiet)

@@ -13,7 +13,7 @@ from stillrate.reproduce.row import NOT_REPRODUCED, NOT_REPRODUCIBLE, REPRODUCED
 TITLE = "Published figures, computed again"
 LEAD = (
     "Each row is a figure as published, ours, and the range that counts as the same. The verdict follows from our figure, "
-    "that range and, where there is one, a bound of theory. Not reproducible: the publication lacks what is needed, or no estimator can reach the figure."
+    "that range and, where there is one, a bound of theory. Not reproducible: what is needed is not in the publication or not in the package, or no estimator can reach the figure."
 )
 SHORT = "Short form: fewer seeds and draws, so single verdicts may differ from those of the full form."
 _CLASSES = {REPRODUCED: "yes", NOT_REPRODUCED: "no", NOT_REPRODUCIBLE: "cannot"}

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stillrate import _native
+from stillrate.reproduce.rate_table_pictures import motions, staircase
 from stillrate.reproduce.row import Row
 
 PUBLISHED_MSE = {
@@ -68,8 +69,8 @@ def reproduce(folder: Path | None = None, *, seeds: int = 4, units: int = 10, ep
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "rate_table.md").write_text(text, encoding="utf-8")
-        _staircase(folder / "rate_table_staircase.svg", tables[0])
-        _motions(folder / "rate_table_motions.svg", studies)
+        staircase(folder / "rate_table_staircase.svg", tables[0])
+        motions(folder / "rate_table_motions.svg", studies)
     return text
 
 
@@ -275,46 +276,4 @@ def _tuning(studies: list[dict[str, Any]]) -> str:
         f"constant records the innovations "
         f"give {median(still):.1f} instead of {median(s['blind'][0] for s in studies):.1f}, and a warning: "
         f"{sum(bool(s['warned']) for s in studies)} of {len(studies)}."
-    )
-
-
-def _staircase(path: Path, table: dict[str, Any]) -> None:
-    """Draw what the published network answers to a noise-free rate."""
-    from stillrate.rate_table.drawing import Line, draw
-
-    x = table["staircase_input"]
-    draw(
-        path,
-        "What the published network answers",
-        "true rate, deg/s",
-        "corrected rate, deg/s",
-        [
-            Line("a perfect sensor", x, x, "#999999"),
-            Line("published 1-10-1 network", x, table["staircase_output"], "#c0392b"),
-        ],
-    )
-
-
-def _motions(path: Path, studies: list[dict[str, Any]]) -> None:
-    """Draw the RMS error of the main methods on each motion of unit 1."""
-    from stillrate.rate_table.drawing import Line, draw
-
-    motions, jumps = _native.rate_table_motions()
-    x = np.arange(float(len(motions) + len(jumps)))
-    colours = {
-        "raw": "#999999",
-        "published network": "#c0392b",
-        "calibration + KF, innovations on motion": "#2980b9",
-        "two-state KF, innovations, then calibration": "#8e44ad",
-        "IMM bank, innovations, then calibration": "#27ae60",
-    }
-    rows = {row[0]: np.array([*row[2], *row[3]]) for row in studies[0]["rows"]}
-    draw(
-        path,
-        "RMS error on held-out motion, unit 1",
-        "",
-        "deg/s",
-        [Line(name, x, rows[name], colour) for name, colour in colours.items() if name in rows],
-        ticks=[*motions, *jumps],
-        logarithmic=True,
     )

@@ -27,7 +27,7 @@ class Row:
     published : str
         The figure as published.
     ours : float or None
-        Our figure; None where the publication lacks what is needed to compute one.
+        Our figure; None where the publication or the package lacks what is needed to compute one.
     unit : str
         Unit of both; empty for a ratio or a count.
     least, most : float
