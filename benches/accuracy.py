@@ -37,6 +37,7 @@ def ours(rate_hz: float) -> dict[str, Run]:
         return lambda z: sr.Filter(config).run(z)
 
     found = {name: run_of(kind(sample_rate_hz=rate_hz, noise=noise())) for name, kind in methods().items()}
+    found["raw"] = lambda z: z
     found["ms-imm-ikf, light"] = run_of(sr.MsImmIkf(sample_rate_hz=rate_hz, noise=noise(), oscillators=()))
     for cutoff in CUTOFFS_HZ:
         if cutoff < 0.45 * rate_hz:
@@ -121,19 +122,30 @@ def picture(results: dict[str, dict[str, dict[str, float]]]) -> None:
 
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import NullFormatter
 
     plt.rcParams["svg.hashsalt"] = "stillrate"
     figure, axes = plt.subplots(1, len(results), figsize=(13, 6.5), layout="constrained")
     for axis, (rate, found) in zip(np.atleast_1d(axes), results.items(), strict=True):
         best = front(found)
+        sweeps: dict[str, list[tuple[float, float]]] = {}
         for name, row in found.items():
             other = name.startswith(("scipy", "pandas", "padasip"))
-            colour = "tab:orange" if other else "tab:blue"
+            colour = "black" if name == "raw" else "tab:orange" if other else "tab:blue"
             at = (row["static_over_raw"], row["waves_over_raw"])
+            family, swept, cutoff = name.partition(", ")
+            label = name
+            if swept and cutoff.endswith("Hz") and family in ("pt1", "scipy Butterworth 2"):
+                label = family if family not in sweeps else ""
+                sweeps.setdefault(family, []).append(at)
             axis.loglog(*at, "s" if other else "o", color=colour, markersize=8 if name in best else 5)
-            axis.annotate(name, at, xytext=(4, 4), textcoords="offset points", fontsize=7, color=colour)
+            axis.annotate(label, at, xytext=(5, 4), textcoords="offset points", fontsize=7, color=colour)
+        for line in sweeps.values():
+            axis.plot(*zip(*line, strict=True), color="grey", linewidth=0.8, zorder=0)
         axis.axhline(1.0, color="grey", linewidth=0.8)
         axis.set(title=f"{rate} Hz", xlabel="error at rest / raw", ylabel="error in rough waves / raw")
+        axis.set_xlim(right=2.0)
+        axis.xaxis.set_minor_formatter(NullFormatter())
         axis.grid(True, which="both", linewidth=0.3)
     figure.savefig(HERE / "accuracy.svg", metadata={"Date": None})
 
@@ -159,7 +171,7 @@ HEADER = """# Accuracy of all filters, ours and others
 Written by `python benches/accuracy.py`; do not edit. Simulated records, six seeds that no setting was chosen on: 60 s at rest (white
 noise, a slow bias, rate random walk) and 55 s of waves driven by white noise. Every filter has its default settings for the same noise figures; the low-passes
 are swept over their cut-off. Errors are root mean squares from 4 s on, over that of the raw samples. A filter is "on the front" if no other
-in the table is at least as good in both and better in one. Lag: the shift that fits the truth best.
+in the table is at least as good in both and better in one; grey lines join the cut-offs of one low-pass. Lag: the shift that fits the truth best.
 
 ![Error in rough waves against error at rest](accuracy.svg)
 """

@@ -37,6 +37,9 @@ const OUTLIER_VARIANCE: f64 = 1e4;
 const HALF_IN_BITS: f64 = -0.5 * core::f64::consts::LOG2_E;
 
 /// Singer prediction: F = [[1, r], [0, s]], Q = `intensity` times the unit process noise.
+///
+/// Mixing states that lie far apart can round a covariance to one that is none (by 1e4 deg/s in `f32`): no variance
+/// of the rate is predicted below its process noise.
 #[inline(always)]
 pub(crate) fn predict_singer<T: Real>(
     mixed: &Gaussian2<T>,
@@ -46,10 +49,11 @@ pub(crate) fn predict_singer<T: Real>(
     let [x0, x1] = mixed.mean;
     let [p00, p01, p11] = mixed.covariance;
     let p01r = p01 + step.r * p11;
+    let least = intensity * step.q11;
     Gaussian2 {
         mean: [x0 + step.r * x1, step.s * x1],
         covariance: [
-            p00 + step.r * (p01 + p01r) + intensity * step.q11,
+            (p00 + step.r * (p01 + p01r) + least).most(least),
             step.s * p01r + intensity * step.q12,
             step.s * step.s * p11 + intensity * step.q22,
         ],
@@ -86,7 +90,7 @@ pub(crate) fn mix_ahead<T: Real>(
     }
 }
 
-/// Oscillator prediction; the process noise is `intensity` times the unit one.
+/// Oscillator prediction; the process noise is `intensity` times the unit one. No variance of the rate is predicted below it.
 #[inline(always)]
 pub(crate) fn predict_oscillator<T: Real>(
     mixed: &Gaussian4<T>,
@@ -101,10 +105,11 @@ pub(crate) fn predict_oscillator<T: Real>(
     let rows = [[p[0], p[1], p[2], p[3]], [p[1], p[4], p[5], p[6]], [p[2], p[5], p[7], p[8]], [p[3], p[6], p[8], p[9]]];
     let fp: [[T; 4]; 4] = core::array::from_fn(|r| core::array::from_fn(|c| row(r, rows[c])));
     let q = &step.noise;
+    let least = intensity * q[0];
     Gaussian4 {
         mean: core::array::from_fn(|r| row(r, *x)),
         covariance: [
-            row(0, fp[0]) + intensity * q[0],
+            (row(0, fp[0]) + least).most(least),
             row(1, fp[0]) + intensity * q[1],
             row(2, fp[0]) + intensity * q[2],
             row(3, fp[0]) + intensity * q[3],

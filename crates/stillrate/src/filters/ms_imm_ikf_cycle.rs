@@ -196,7 +196,7 @@ impl<T: Real> MsImmIkf<T> {
             let (prior, mixed) = sources.plain.lane(c).mixed(own, &self.rest(s, c), sources.centre.lane(c));
             s.walk_probability.0[c] = prior;
             s.walk[0].0[c] = mixed.mean[0];
-            s.walk[1].0[c] = mixed.covariance[0] + pace.walk;
+            s.walk[1].0[c] = mixed.covariance[0].most(T::ZERO) + pace.walk;
         }
         for j in 0..self.rungs() {
             for c in 0..W {
