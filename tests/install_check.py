@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PARTS = ("build", "wheel", "oldest", "sdist", "crates")
 # The lower bounds of pyproject.toml, the oldest release of each that they admit.
-OLDEST = ("numpy==1.26.0", "cyclopts==3.0.0", "rich==13.0.0")
+OLDEST = ("numpy==1.26.0", "cyclopts==4.2.0", "rich==13.6.0")
 # Tests that need nothing but the package, pytest and hypothesis.
 PLAIN_TESTS = ("test_filter.py", "test_widths.py", "test_analysis.py", "test_reading.py", "test_reference_filters.py")
 
