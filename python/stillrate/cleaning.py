@@ -116,19 +116,22 @@ def noise_of(log: Log) -> tuple[dict[str, GyroNoise], list[str]]:
     """Measure each channel's noise; one that never rests gets the figures of those that do, if any does."""
     found = noise_from_log(log.rate_dps, log.sample_rate_hz)
     shared = GyroNoise.from_log(log.rate_dps, sample_rate_hz=log.sample_rate_hz)
-    resting = any(not figures.motion_dominated for figures in found)
+    resting = any(figures.at_rest for figures in found)
     noise, notes = {}, []
     for channel, figures in zip(log.channels, found, strict=True):
-        if figures.motion_dominated and resting:
+        if resting and not figures.at_rest:
             noise[channel] = shared
-            notes.append(f"{channel}: hardly ever at rest, the noise is that of the other channels")
+            notes.append(f"{channel}: never at rest, the noise is that of the other channels")
             continue
         noise[channel] = GyroNoise(
             density_dps_sqrt_hz=figures.density_dps_sqrt_hz,
             rate_random_walk_dps_sqrt_s=figures.rate_random_walk_dps_sqrt_s,
         )
-        if figures.motion_dominated:
-            notes.append(f"{channel}: motion dominates, its noise is an upper bound ({figures.reason})")
+        if not figures.at_rest:
+            notes.append(f"{channel}: its noise is an upper bound ({figures.reason})")
+        elif figures.motion_dominated:
+            span = f"samples {figures.quiet.start} to {figures.quiet.stop}"
+            notes.append(f"{channel}: in motion for {figures.moving_fraction:.0%} of the log, its noise is from {span}")
     return noise, notes
 
 

@@ -22,6 +22,10 @@ from stillrate.noise import GyroNoise, noise_from_log
 
 LAG_REACH_S = 0.2
 
+# Samples that the stopwatch sees, and how many it takes at a time.
+COST_SAMPLES = 20_000
+COST_PIECE = 1000
+
 REST_RATIO = 2.0
 """A stretch that scatters more than so many times the noise is not at rest."""
 
@@ -83,10 +87,7 @@ def compare(log: Log, names: tuple[str, ...] = ()) -> list[Comparison]:
 
 
 def _one(log: Log, channel: str, raw: Floats, config: Config, noise: GyroNoise, rest: slice | None) -> Comparison:
-    flt = Filter(config)
-    began = time.perf_counter_ns()
-    clean = flt.run(raw, dt_s=log.steps_s())
-    cost = (time.perf_counter_ns() - began) / len(raw)
+    clean = Filter(config).run(raw, dt_s=log.steps_s())
     sigma = noise.density_dps_sqrt_hz * math.sqrt(log.sample_rate_hz)
     moving = np.ones(len(raw), dtype=bool)
     suppression = math.nan
@@ -96,7 +97,21 @@ def _one(log: Log, channel: str, raw: Floats, config: Config, noise: GyroNoise, 
         suppression = metrics.rms_about_mean(raw[rest]) / after if after > 0 else math.inf
     distortion = metrics.rmse(clean[moving], raw[moving]) / sigma if moving.any() else math.nan
     lag = metrics.lag_ms(clean, raw, log.sample_rate_hz, max_lag_s=LAG_REACH_S) if moving.any() else math.nan
-    return Comparison(config.method, channel, suppression, lag, distortion, _settling(config, noise), cost)
+    return Comparison(
+        config.method, channel, suppression, lag, distortion, _settling(config, noise), _cost_ns(config, raw)
+    )
+
+
+def _cost_ns(config: Config, raw: Floats) -> float:
+    """Return the time a sample: the median over short pieces, which a busy machine interrupts seldom."""
+    flt = Filter(config)
+    costs = []
+    for begin in range(0, min(len(raw), COST_SAMPLES), COST_PIECE):
+        piece = raw[begin : begin + COST_PIECE]
+        began = time.perf_counter_ns()
+        flt.run(piece)
+        costs.append((time.perf_counter_ns() - began) / len(piece))
+    return float(np.median(costs))
 
 
 def _settling(config: Config, noise: GyroNoise) -> float:

@@ -84,7 +84,16 @@ class Config:
         return found
 
     def replace(self, **changes: Any) -> Self:
-        """Return a copy with some settings changed (the rest stays as it is in force)."""
+        """Return a copy with some settings changed (the rest stays as it is in force).
+
+        A memory can be given in seconds or as a factor a sample. The one that is changed decides; at another sample rate the
+        seconds stay.
+        """
+        if {"tau_s", "forgetting_factor"} <= self.__dataclass_fields__.keys():
+            if "forgetting_factor" in changes:
+                changes = {"tau_s": None} | changes
+            elif "tau_s" in changes or "sample_rate_hz" in changes:
+                changes = {"forgetting_factor": None} | changes
         return dataclasses.replace(self, **changes)
 
     def to_toml(self, path: str | Path | None = None) -> str:

@@ -152,7 +152,7 @@ class NoiseFromLog:
     quiet : slice
         Samples over which they were measured.
     moving_fraction : float
-        Part of the log in which the rate scatters more than noise does.
+        Part of the log in which the rate scatters or wanders more than noise does.
     motion_dominated : bool
         Whether more than half of the log moves, or none of it is at rest.
     reason : str
@@ -166,6 +166,11 @@ class NoiseFromLog:
     moving_fraction: float
     motion_dominated: bool
     reason: str
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the figures come from a stretch at rest; otherwise they are an upper bound."""
+        return not self.reason.startswith("motion dominates")
 
 
 def noise_from_log(z: Any, sample_rate_hz: float) -> list[NoiseFromLog]:

@@ -42,8 +42,8 @@ class Tuned:
                 f"# {name}: N = {found.density_dps_sqrt_hz:.4g} (deg/s)/sqrt(Hz), K ="
                 f" {found.rate_random_walk_dps_sqrt_s:.4g} (deg/s)/sqrt(s), {span}: {found.reason}"
             )
-            if found.motion_dominated:
-                lines.append(f"#   {name} is in motion most of the time: an upper bound, measure it at rest")
+            if not found.at_rest:
+                lines.append(f"#   {name} is never at rest: an upper bound, measure it at rest")
         lines += [
             "#",
             "# The figures below are the largest of the axes at rest: too high a density is safer than too low.",

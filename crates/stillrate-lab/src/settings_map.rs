@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use stillrate::settings::Visit;
-use stillrate::{ConfigError, GyroNoise, Settings};
+use stillrate::{ConfigError, GyroNoise, Real, Settings};
 
 /// One value of a settings file.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +88,22 @@ pub fn from_map<S: Settings>(map: &SettingsMap) -> Result<S, SettingsError> {
             return Err(SettingsError::Text(format!("{} has no setting '{name}'{hint}", S::METHOD)));
         }
     }
+    if let (Some(tau_s), Some(factor)) = (number("tau_s"), number("forgetting_factor")) {
+        agree(tau_s, factor, sample_rate_hz)?;
+    }
     Ok(settings)
+}
+
+/// Refuses a memory that is given twice and differently, also where one of the two happens to be the default: settings
+/// see values only and cannot tell a default from the same number asked for.
+fn agree(tau_s: f64, forgetting_factor: f64, sample_rate_hz: f64) -> Result<(), ConfigError> {
+    let of_tau = (-1.0 / (tau_s * sample_rate_hz)).exponential();
+    // What remains after rounding either to nine digits; a value that makes no sense is refused when the filter is built.
+    if tau_s > 0.0 && (of_tau - forgetting_factor).abs() > 1e-9 {
+        let range = "exp(-1 / (tau_s * sample_rate_hz)): give one of the two, or both in agreement";
+        return Err(ConfigError::new("forgetting_factor", forgetting_factor, "", range));
+    }
+    Ok(())
 }
 
 /// Density in deg/s/sqrt(Hz) of a common MEMS gyro, where a method that hardly needs it is built without.

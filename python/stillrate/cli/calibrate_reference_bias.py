@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from stillrate.io import Log
 
 _NO_READING = ReadOptions()
+# Standard deviations of chi-square above its mean: chance does it once in thousands of records.
+_SURPRISING = 5.0
 
 
 def command(
@@ -117,6 +119,8 @@ def command(
     if method == "exact" and not found.observable:
         names = ", ".join(found.unobservable) or "some combinations"
         console.print(f"not observable: the motion does not separate {names}; there the prior stands")
+    if method == "exact" and (doubt := _misfit(found)):
+        console.print(doubt)
     if method == "exact" and not found.converged:
         raise LogError(f"{source}: the iteration did not settle: fixes closer together, or a smaller bias, are needed")
     return 0
@@ -134,15 +138,29 @@ def _fixes(
     if len(names) != 4:
         raise UsageError(f"--attitude {attitude}: four column names are needed (scalar first)")
     if missing := [name for name in names if name not in log.columns]:
-        raise LogError(f"{source}: no column {missing[0]} (the attitude; columns: {', '.join(log.columns)})")
+        raise LogError(f"{source}: no column {missing[0]} (the attitude; columns: {', '.join(log.columns) or 'none'})")
     columns = np.stack([np.asarray(log.columns[name], dtype=np.float64) for name in names], axis=1)
     index = np.flatnonzero(np.isfinite(columns).all(axis=1))
     if every_s is not None and index.size:
         slot = np.floor((log.t_s[index] - log.t_s[index[0]]) / every_s)
         index = index[np.unique(slot, return_index=True)[1]]
     if index.size < 2:
-        raise LogError(f"{source}: {index.size} rows with a finite attitude (at least 2 are needed)")
+        raise LogError(
+            f"{source}: {index.size} {'row' if index.size == 1 else 'rows'} with a finite attitude (at least 2 are needed)"
+        )
     return index, columns[index]
+
+
+def _misfit(found: ReferenceBias) -> str:
+    """Return a remark if the residuals are larger than chance allows, or nothing."""
+    freedom = found.degrees_of_freedom
+    if found.chi_square <= freedom + _SURPRISING * math.sqrt(2.0 * freedom):
+        return ""
+    return (
+        f"doubtful: the residuals are {math.sqrt(found.chi_square / max(freedom, 1)):.3g} times what the noise given explains, and the"
+        " standard deviations are too small; check the frame (north-east-down or --ignore-earth), --latitude-deg, the axes"
+        " (--mounting), the order of the quaternion, --lag, --angle-random-walk and --reference-sigma-deg"
+    )
 
 
 def _record(found: ReferenceBias) -> dict[str, Any]:

@@ -46,12 +46,15 @@ def command(
             box=box.SIMPLE_HEAD,
             title_justify="left",
             caption="Rest: scatter raw / filtered. Lag: against the raw record. Distortion: what was taken from the"
-            " motion, over the sensor's noise; above 1 motion went with it. Settling: simulated step of 40 deg/s.",
+            " motion, over the sensor's noise; above 1 motion went with it, and then neither rest nor lag means much. Settling: simulated step of 40 deg/s."
+            " Cost: on this machine, now. -: the log doesn't show it.",
             caption_justify="left",
+            padding=(0, 0, 0, 1),
+            pad_edge=False,
         )
         for name in ("channel", "method", "rest\nx", "lag\nms", "distortion\nσ", "settling\ns", "cost\nns/sample"):
             words = name in ("channel", "method")
-            table.add_column(name, justify="left" if words else "right", no_wrap=words)
+            table.add_column(name, justify="left" if words else "right", no_wrap=True)
         last = ""
         for row in rows:
             table.add_row(

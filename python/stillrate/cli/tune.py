@@ -50,7 +50,7 @@ def command(
         temporary.write_text(tuned.to_toml(), encoding="utf-8")
     console = Console(stderr=True)
     for name, found in tuned.axes.items():
-        remark = " (in motion: an upper bound)" if found.motion_dominated else ""
+        remark = "" if found.at_rest else " (in motion: an upper bound)"
         density = f"{found.density_dps_sqrt_hz:.4g} (deg/s)/√Hz = {found.density_dps_sqrt_hz * 60:.3g} deg/√h"
         console.print(f"{name}: {density}{remark}", highlight=False, markup=False)
     console.print(f"wrote {output}", highlight=False, markup=False, soft_wrap=True)
