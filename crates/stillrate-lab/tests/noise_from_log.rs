@@ -106,3 +106,73 @@ fn any_log_gives_an_error_or_finite_positive_figures() {
         }
     }
 }
+
+/// A log of 0.3 deg/s, white noise and motion up to 60 deg/s over a part of it; at rest from `still`.0 for `still`.1 s.
+fn partly_moving(kind: &str, rate: f64, length_s: f64, still: (f64, f64), lsb: f64) -> Vec<f64> {
+    let moving_s = length_s - still.1;
+    let motion: Vec<f64> = (0..(length_s * rate) as usize)
+        .map(|k| k as f64 / rate)
+        .map(|t| {
+            if (still.0..still.0 + still.1).contains(&t) {
+                return 0.3;
+            }
+            // The motion before the rest, then that after it.
+            let u = if t < still.0 { t } else { t - still.1 };
+            let near = if t < still.0 { still.0 - t } else { t - still.0 - still.1 };
+            0.3 + match kind {
+                "waves" => 60.0 * (1.6 * u).sin(),
+                "rough" => 20.0 * ((2.5 * u).sin() + (10.7 * u + 1.0).sin() + (27.0 * u + 2.0).sin()),
+                "steps" => 60.0 * (2.1 * u).sin().signum(),
+                // Rises so slowly out of the rest that single samples show it late.
+                "swell" => 60.0 * (0.3 * near).sin() * (near / moving_s.min(30.0)).min(1.0).powi(3),
+                _ => unreachable!(),
+            }
+        })
+        .collect();
+    let model = GyroNoiseModel { density_dps_sqrt_hz: 0.0158, lsb_dps: lsb, ..GyroNoiseModel::perfect() };
+    model.record(&motion, rate, 4).unwrap().measured_dps
+}
+
+#[test]
+fn motion_in_a_part_of_the_log_does_not_reach_the_figures() {
+    for rate in [50.0, 200.0, 1000.0, 8000.0] {
+        for kind in ["waves", "rough", "steps", "swell"] {
+            // Off the whole seconds of any window: first, in the middle, last; 10, 50 and 90 % of the log.
+            let length = 63.37;
+            for part in [0.1, 0.5, 0.9] {
+                let still = part * length;
+                for start in [0.0, 0.41 * (length - still), length - still] {
+                    let lsb = if part == 0.5 { 0.061 } else { 0.0 };
+                    let noise = noise_from_log(&partly_moving(kind, rate, length, (start, still), lsb), rate).unwrap();
+                    let ratio = noise.density_dps_sqrt_hz / 0.0158_f64.hypot(lsb / (12.0 * rate).sqrt());
+                    let case = format!("{kind}, {rate} Hz, {still:.0} s from {start:.0} s: {ratio:.3} {noise:?}");
+                    assert!((0.85..1.15).contains(&ratio), "{case}");
+                    assert_eq!(noise.reason, NoiseReason::AtRest, "{case}");
+                    assert_eq!(noise.motion_dominated, part < 0.45 || noise.moving_fraction > 0.5, "{case}");
+                    assert!(noise.moving_fraction < 1.1 - part, "{case}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn five_seconds_at_rest_are_found_in_ten_minutes_of_motion() {
+    for rate in [200.0, 1000.0] {
+        for kind in ["waves", "rough", "steps", "swell"] {
+            let noise = noise_from_log(&partly_moving(kind, rate, 600.0, (201.3, 5.0), 0.0), rate).unwrap();
+            let ratio = noise.density_dps_sqrt_hz / 0.0158;
+            assert!((0.85..1.15).contains(&ratio), "{kind}, {rate} Hz: {ratio} {noise:?}");
+        }
+    }
+}
+
+#[test]
+fn a_long_rest_with_a_slow_end_is_taken_without_that_end() {
+    // A minute at 1 kHz: a piece that moves 0.4 deg/s, less than a sample scatters, made the Allan deviation at 1 s
+    // three times the noise.
+    let z = partly_moving("swell", 1000.0, 121.37, (0.0, 60.7), 0.0);
+    let noise = noise_from_log(&z, 1000.0).unwrap();
+    assert!((0.95..1.05).contains(&(noise.density_dps_sqrt_hz / 0.0158)), "{noise:?}");
+    assert!(noise.quiet.end < 66_000 && noise.rate_random_walk_dps_sqrt_s < 0.01, "{noise:?}");
+}

@@ -118,7 +118,7 @@ class MsImmIkfPaper(Config):
     Parameters
     ----------
     mode : str, optional
-        Sets the defaults of the rest. ``"paper"`` (default) reproduces the published static figures; ``"printed"`` is
+        Sets the defaults of the rest. ``"paper"`` (default) comes nearest to the published static figures; ``"printed"`` is
         the equations to the letter, which diverge by themselves and say so in the flags; ``"exact-jacobian"`` and
         ``"log-alpha"`` estimate alpha, or its logarithm, with the exact derivative.
     alpha_per_s, accel_max_dps2, transition, initial_probability, measurement_variance, initial_rate_variance, initial_acceleration_variance : optional

@@ -14,6 +14,7 @@ pub mod records;
 pub mod track;
 pub mod tuned;
 pub mod tuned_bank;
+mod windows;
 
 pub use noise::{NoiseFromLog, NoiseReason, noise_from_log, shared_noise};
 pub use quantum::smallest_step;

@@ -3,8 +3,8 @@
 //! White noise: median absolute second difference, N = MAD(d2) / (.6745 sqrt 6) / sqrt(fs), which motion hardly reaches;
 //! on a coarse converter, where the median is a whole number of steps, and over short stretches, where it is imprecise,
 //! the root mean square of the second differences with its tails cut; never below LSB / sqrt(12 fs). It is taken over
-//! the longest stretch at rest: second-long windows whose scatter is near the quietest and whose mean stays put; a
-//! stretch counts as rest only if white noise explains its scatter. Rate random walk from the Allan slope over that
+//! the longest stretch at rest: second-long windows whose scatter is near the quietest and whose mean stays put (see
+//! `windows`); a stretch counts as rest only if white noise explains its scatter. Rate random walk from the Allan slope over that
 //! stretch: K^2 = 3 (adev(t)^2 - N^2/t) / t at t = 30 s or a quarter of it, but not below 1e-3 N, nor below
 //! sqrt(3) N / length: less could not have been seen.
 
@@ -15,9 +15,9 @@ use stillrate::Real;
 use stillrate::error::positive;
 
 use super::quantum::smallest_step;
-use crate::allan::{AllanSettings, Taus, allan_with};
+use super::windows::{REST, Windows};
 use crate::error::LogError;
-use crate::statistics::{median, quantile};
+use crate::statistics::median;
 
 /// Where noise figures came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,16 +63,6 @@ pub struct NoiseFromLog {
 
 /// Fewest finite samples to say anything.
 const FEWEST: usize = 8;
-/// Length of a window, s, and its fewest samples.
-const WINDOW_S: f64 = 1.0;
-const WINDOW_LEAST: usize = 32;
-/// Fewest samples in a window whose second differences are judged alone.
-const DIFFERENCES_LEAST: usize = 128;
-/// Windows scattering more than this many times the quietest tenth are not quiet.
-const QUIET: f64 = 1.6;
-/// Scatter of a stretch over what white noise explains, above which it is not rest. (Low-passed and drifting sensors
-/// reach 1.5 in the recordings, hand tremor and the least vibration 4 and more.)
-const REST: f64 = 2.0;
 /// MAD of a normal deviate over its standard deviation.
 const MAD_OF_NORMAL: f64 = 0.674_489_750_196_081_7;
 /// Steps of the converter below which a median of second differences is too coarse.
@@ -84,6 +74,8 @@ const WALK: (f64, f64) = (30.0, 1e-3);
 /// Rest (s) from which the Allan deviation at 1 s is trusted, and how far it must exceed N to replace it (a low-pass in
 /// the sensor hides noise from the differences).
 const COLOURED: (f64, f64) = (50.0, 1.2);
+/// Seconds of a piece whose Allan variance at 1 s is taken alone, and the median of such over their mean.
+const PIECE: (usize, f64) = (9, 0.92);
 /// Density assumed for a constant log, relative to its value (or absolute for zeros).
 const NOTHING: f64 = 1e-9;
 
@@ -116,9 +108,10 @@ pub fn noise_from_log(z: &[f64], sample_rate_hz: f64) -> Result<NoiseFromLog, Lo
     }
     let lsb = smallest_step(&present);
     let windows = Windows::new(&present, rate);
-    let run = windows.longest_quiet_run(lsb);
-    let quiet = &present[run.clone()];
     let floor = lsb / (12.0 * rate).root();
+    let rest = windows.longest_rest(floor * rate.root());
+    let run = rest.run.clone();
+    let quiet = &present[run.clone()];
     let white = white_sigma(quiet, lsb) / rate.root();
     let at_rest = windows.scatter_in(&run) / rate.root() <= REST * white.max(floor);
     let moving = || windows.quietest_tenth(&present, lsb) / rate.root();
@@ -129,7 +122,7 @@ pub fn noise_from_log(z: &[f64], sample_rate_hz: f64) -> Result<NoiseFromLog, Lo
     let density = measured.max(floor).max(nothing);
     let unseen = density * (3.0_f64.root() / length_s).max(WALK.1);
     let walk = if at_rest { walk_from_allan(quiet, rate, density).max(unseen) } else { unseen };
-    let moving_fraction = windows.moving_fraction(density * rate.root());
+    let moving_fraction = windows.moving_fraction(density * rate.root(), &rest);
     Ok(NoiseFromLog {
         density_dps_sqrt_hz: density,
         rate_random_walk_dps_sqrt_s: walk,
@@ -173,7 +166,7 @@ fn constant(value: f64, all: Range<usize>) -> NoiseFromLog {
 }
 
 /// Standard deviation of the white part of a stretch, from its second differences.
-fn white_sigma(z: &[f64], lsb: f64) -> f64 {
+pub(super) fn white_sigma(z: &[f64], lsb: f64) -> f64 {
     let differences: Vec<f64> = z.windows(3).map(|w| (w[2] - w[1]) - (w[1] - w[0])).collect();
     let middle = median(&mut differences.clone());
     let mut deviations: Vec<f64> = differences.iter().map(|d| (d - middle).magnitude()).collect();
@@ -188,18 +181,22 @@ fn white_sigma(z: &[f64], lsb: f64) -> f64 {
 }
 
 /// N at rest; the Allan deviation at 1 s where a long rest shows that the differences miss a part of the noise.
+///
+/// It is the median over pieces of the rest, which an unnoticed nudge in a few of them doesn't reach.
 fn coloured(quiet: &[f64], rate: f64, white: f64) -> f64 {
-    let second = adev_near(quiet, rate, 1.0);
-    let long = quiet.len() as f64 / rate >= COLOURED.0;
-    if long && second > COLOURED.1 * white { second } else { white }
-}
-
-/// Allan deviation at the octave nearest below `tau_s`, scaled to `tau_s` as white noise; 0 if the record is too short.
-fn adev_near(quiet: &[f64], rate: f64, tau_s: f64) -> f64 {
-    let settings = AllanSettings { taus: Taus::Octave, ..AllanSettings::default() };
-    let Ok(curve) = allan_with(quiet, rate, settings) else { return 0.0 };
-    let at = curve.tau_s.iter().rposition(|t| *t <= tau_s).unwrap_or(0);
-    curve.deviation.get(at).map_or(0.0, |d| d * (curve.tau_s[at] / tau_s).root())
+    let length_s = quiet.len() as f64 / rate;
+    if length_s < COLOURED.0 {
+        return white;
+    }
+    let m = rate.max(1.0) as usize;
+    let pieces = quiet.chunks_exact(PIECE.0 * m);
+    let mut variances: Vec<f64> = pieces.filter_map(|piece| crate::allan::variance_at(piece, m).ok()).collect();
+    if variances.is_empty() {
+        return white;
+    }
+    let second = (median(&mut variances) / PIECE.1 * m as f64 / rate).root();
+    let chance = 1.0 + 2.0 / length_s.root();
+    if second > COLOURED.1 * chance * white { second } else { white }
 }
 
 /// K from the Allan variance at 30 s or a quarter of the stretch, less what white noise adds; 0 if nothing is left.
@@ -209,65 +206,4 @@ fn walk_from_allan(quiet: &[f64], rate: f64, density: f64) -> f64 {
     let Ok(variance) = crate::allan::variance_at(quiet, m) else { return 0.0 };
     let tau = m as f64 / rate;
     (3.0 * (variance - density * density / tau) / tau).max(0.0).root()
-}
-
-/// Second-long windows of a record without gaps: mean and standard deviation of each.
-struct Windows {
-    length: usize,
-    mean: Vec<f64>,
-    scatter: Vec<f64>,
-}
-
-impl Windows {
-    fn new(z: &[f64], rate: f64) -> Self {
-        let wanted = (WINDOW_S * rate).min(1e9) as usize;
-        let length = wanted.max(WINDOW_LEAST).min((z.len() / 4).max(FEWEST));
-        let chunks = z.chunks_exact(length);
-        let mean: Vec<f64> = chunks.clone().map(|w| w.iter().sum::<f64>() / length as f64).collect();
-        let scatter = chunks
-            .zip(&mean)
-            .map(|(w, m)| (w.iter().map(|x| (x - m) * (x - m)).sum::<f64>() / (length - 1) as f64).root())
-            .collect();
-        Self { length, mean, scatter }
-    }
-
-    /// Samples of the longest run of quiet windows with a steady mean.
-    fn longest_quiet_run(&self, lsb: f64) -> Range<usize> {
-        let level = quantile(&mut self.scatter.clone(), 0.1).max(lsb / 12.0_f64.root());
-        let quiet = |k: usize| self.scatter[k] <= QUIET * level;
-        let steady = |k: usize| (self.mean[k] - self.mean[k - 1]).magnitude() <= level;
-        let (mut best, mut start) = (0..1, 0);
-        for k in 0..self.scatter.len() {
-            if !quiet(k) {
-                start = k + 1;
-            } else if k > start && !steady(k) {
-                start = k;
-            }
-            if k + 1 > start && k + 1 - start > best.len() {
-                best = start..k + 1;
-            }
-        }
-        best.start * self.length..best.end * self.length
-    }
-
-    /// Median standard deviation of the windows in a range of samples.
-    fn scatter_in(&self, samples: &Range<usize>) -> f64 {
-        median(&mut self.scatter[samples.start / self.length..samples.end / self.length].to_vec())
-    }
-
-    /// White standard deviation of the windows, lowest tenth: motion and vibration only ever add to it.
-    fn quietest_tenth(&self, z: &[f64], lsb: f64) -> f64 {
-        let length = self.length.max(DIFFERENCES_LEAST).min(z.len());
-        let mut sigma: Vec<f64> = z.chunks_exact(length).map(|w| white_sigma(w, lsb)).collect();
-        // Second differences of n white samples are worth .51 n independent ones: estimates scatter by 1 / sqrt(n), and
-        // their lowest tenth lies 1.3 of that below the mean.
-        let low = 1.0 - 1.3 / (length as f64).root();
-        quantile(&mut sigma, 0.1) / low
-    }
-
-    /// Part of the windows that scatter or wander more than noise of this standard deviation.
-    fn moving_fraction(&self, sigma: f64) -> f64 {
-        let moving = self.scatter.iter().filter(|s| **s > REST * sigma).count();
-        moving as f64 / self.scatter.len() as f64
-    }
 }

@@ -9,7 +9,7 @@ use crate::settings::{Settings, Visit, visit_noise};
 
 /// Settings of [`MsImmIkfPaper`](super::MsImmIkfPaper). `mode` sets the defaults of the rest:
 ///
-/// - `paper`: what reproduces the published static figures; alpha stays, its comparison with alpha3 classifies rest.
+/// - `paper`: what comes nearest to the published static figures; alpha stays, its comparison with alpha3 classifies rest.
 /// - `printed`: the equations to the letter. It diverges by itself, also at rest, and says so in its flags.
 /// - `exact-jacobian`: alpha is estimated with the exact derivative; no fading.
 /// - `log-alpha`: the same for the logarithm of alpha.
