@@ -103,8 +103,6 @@ pub trait Real:
     fn root(self) -> Self;
     /// e^x.
     fn exponential(self) -> Self;
-    /// e^x for x <= 0, fast, for weights; see [`elementary`](crate::elementary).
-    fn decay(self) -> Self;
     /// 2^x, fast and limited to what weights need; see [`elementary`](crate::elementary).
     fn doubling(self) -> Self;
     /// e^x - 1, accurate near zero.
@@ -154,10 +152,6 @@ macro_rules! real {
             #[inline(always)]
             fn exponential(self) -> Self {
                 elementary::$module::exponential(self)
-            }
-            #[inline(always)]
-            fn decay(self) -> Self {
-                elementary::$module::decay(self)
             }
             #[inline(always)]
             fn doubling(self) -> Self {

@@ -14,7 +14,6 @@ impl Format for f64 {
     const LN_2_HIGH: Self = 0.69314718055989033;
     const LN_2_LOW: Self = 5.4979230187083712e-14;
     const EXPONENTIAL_LOW: Self = -746.0;
-    const DECAY_LOW: Self = -700.0;
     const DOUBLING_LIMIT: Self = 600.0;
     const EXPONENTIAL_HIGH: Self = 710.0;
     const NEGLIGIBLE: Self = 44.0;
@@ -146,16 +145,6 @@ pub fn root(x: f64) -> f64 {
 #[inline(always)]
 pub fn exponential(x: f64) -> f64 {
     exponentials::exponential(x)
-}
-
-/// e^x for x <= 0, as used for weights: not below about the smallest normal number, NaN reads as that.
-///
-/// ```
-/// assert!((stillrate::elementary::double::decay(-1.0) * core::f64::consts::E - 1.0).abs() < 4.0 * f64::EPSILON);
-/// ```
-#[inline(always)]
-pub fn decay(x: f64) -> f64 {
-    exponentials::decay(x)
 }
 
 /// 2^x for x within +-600, limited to that beyond: for weights. Error below 2 units; NaN reads as the smallest weight.

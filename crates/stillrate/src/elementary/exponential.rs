@@ -27,29 +27,9 @@ pub(super) fn exponential<T: Format>(x: T) -> T {
     T::select(number(x), result, x)
 }
 
-/// e^x for x <= 0, down to where the result is the smallest normal number or so: for weights, where what lies below does not count.
-///
-/// One scaling instead of two, no care for NaN (it reads as the smallest weight), and the polynomial summed four terms at a time:
-/// a third of the latency of [`exponential`].
-#[inline(always)]
-pub(super) fn decay<T: Format>(x: T) -> T {
-    let x = x.most(T::DECAY_LOW);
-    let shifted = x * T::LOG2_E + T::SHIFT;
-    let k = shifted - T::SHIFT;
-    let r = (x - k * T::LN_2_HIGH) - k * T::LN_2_LOW;
-    let square = r * r;
-    let fourth = square * square;
-    let mut sum = T::ZERO;
-    for four in T::EXPONENTIAL.chunks(4).rev() {
-        let term = |n: usize| four.get(n).copied().unwrap_or(T::ZERO);
-        sum = sum * fourth + ((term(0) + term(1) * r) + (term(2) + term(3) * r) * square);
-    }
-    (T::ONE + (r + square * sum)) * T::power_of_two(shifted)
-}
-
 /// 2^x for weights: limited to where the result and its products stay normal numbers; NaN reads as the smallest weight.
 ///
-/// The base spares the reduction by ln 2, and the polynomial is summed by Estrin's scheme: half the latency of [`decay`].
+/// The base spares the reduction by ln 2, and Estrin's scheme shortens the polynomial's chain.
 #[inline(always)]
 pub(super) fn doubling<T: Format>(x: T) -> T {
     let x = x.most(-T::DOUBLING_LIMIT).least(T::DOUBLING_LIMIT);

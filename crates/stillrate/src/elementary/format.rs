@@ -23,8 +23,6 @@ pub(super) trait Format: Real {
     const LN_2_LOW: Self;
     /// Below it e^x is zero.
     const EXPONENTIAL_LOW: Self;
-    /// Below it 2^k alone would leave the normal numbers.
-    const DECAY_LOW: Self;
     /// Magnitude to which the argument of 2^x is limited where it weighs probabilities.
     const DOUBLING_LIMIT: Self;
     /// Above it e^x is infinite.

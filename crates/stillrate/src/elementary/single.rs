@@ -14,7 +14,6 @@ impl Format for f32 {
     const LN_2_HIGH: Self = 0.693145752;
     const LN_2_LOW: Self = 1.42860677e-6;
     const EXPONENTIAL_LOW: Self = -104.0;
-    const DECAY_LOW: Self = -86.0;
     const DOUBLING_LIMIT: Self = 60.0;
     const EXPONENTIAL_HIGH: Self = 89.0;
     const NEGLIGIBLE: Self = 20.0;
@@ -79,16 +78,6 @@ pub fn root(x: f32) -> f32 {
 #[inline(always)]
 pub fn exponential(x: f32) -> f32 {
     exponentials::exponential(x)
-}
-
-/// e^x for x <= 0, as used for weights: not below about the smallest normal number, NaN reads as that.
-///
-/// ```
-/// assert!((stillrate::elementary::single::decay(-1.0) * core::f32::consts::E - 1.0).abs() < 4.0 * f32::EPSILON);
-/// ```
-#[inline(always)]
-pub fn decay(x: f32) -> f32 {
-    exponentials::decay(x)
 }
 
 /// 2^x for x within +-60, limited to that beyond: for weights. Error below 2 units; NaN reads as the smallest weight.
