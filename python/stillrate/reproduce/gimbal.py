@@ -134,15 +134,11 @@ def _summary(case: str, method: str, draws: list[dict[str, Any]]) -> Summary:
 
 def reproduce(draws: int = 20, seed: int = 1001) -> Iterator[Table | str]:
     """Yield one table a start, a sentence on each published claim, and what disturbances do."""
-    from rich import box
-    from rich.table import Table
-
     from stillrate.reproduce import gimbal_disturbances as disturbances
+    from stillrate.tables import plain_table
 
     def table(title: str, columns: tuple[str, ...], rows: list[list[str]]) -> Table:
-        found = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
-        for column in columns:
-            found.add_column(column, justify="left" if column in ("method", "disturbance") else "right")
+        found = plain_table(title, columns, words=("method", "disturbance"), padding=(0, 1))
         for row in rows:
             found.add_row(*row)
         return found
