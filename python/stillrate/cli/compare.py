@@ -27,12 +27,11 @@ def command(
     method
         Only these methods (may be repeated).
     """
-    from rich import box
     from rich.console import Console
-    from rich.table import Table
 
     from stillrate.cli.problems import UsageError
     from stillrate.comparing import compare
+    from stillrate.tables import plain_table
 
     if not sources:
         raise UsageError("compare needs a log")
@@ -41,20 +40,17 @@ def command(
         log = reading.read(source)
         with console.status(f"comparing on {source.name}"):
             rows = compare(log, method)
-        table = Table(
-            title=f"{source.name}: {len(log)} samples at {log.sample_rate_hz:.6g} Hz",
-            box=box.SIMPLE_HEAD,
-            title_justify="left",
+        table = plain_table(
+            f"{source.name}: {len(log)} samples at {log.sample_rate_hz:.6g} Hz",
+            ("channel", "method", "rest\nx", "lag\nms", "distortion\nσ", "settling\ns", "cost\nns/sample"),
+            words=("channel", "method"),
             caption="Rest: scatter raw / filtered. Lag: against the raw record. Distortion: what was taken from the"
             " motion, over the sensor's noise; above 1 motion went with it, and then neither rest nor lag means much. Settling: simulated step of 40 deg/s."
             " Cost: on this machine, now. -: the log doesn't show it.",
-            caption_justify="left",
+            no_wrap=True,
             padding=(0, 0, 0, 1),
             pad_edge=False,
         )
-        for name in ("channel", "method", "rest\nx", "lag\nms", "distortion\nσ", "settling\ns", "cost\nns/sample"):
-            words = name in ("channel", "method")
-            table.add_column(name, justify="left" if words else "right", no_wrap=True)
         last = ""
         for row in rows:
             table.add_row(
