@@ -74,7 +74,7 @@ pub fn from_map<S: Settings>(map: &SettingsMap) -> Result<S, SettingsError> {
         noise = noise.with_rate_random_walk(walk);
     }
     // The defaults of some methods follow from rate and noise: these must make sense first.
-    stillrate::error::positive("sample_rate_hz", sample_rate_hz, "Hz")?;
+    stillrate::ranges::SAMPLE_RATE.check("sample_rate_hz", sample_rate_hz)?;
     let mut settings = S::defaults(sample_rate_hz, noise.checked()?);
     let mut reader = Reader { map, known: Vec::new(), error: None };
     settings.visit(&mut reader);

@@ -16,6 +16,7 @@ use crate::models::modified_singer::{Parameter, alpha_of, predict_modified};
 use crate::plain;
 use crate::real::Real;
 use crate::reals;
+use crate::sound;
 
 /// When the fading factor acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -257,6 +258,13 @@ impl<T: Real> Filter<T> for MsImmIkfPaper<T> {
 
     fn start(&self) -> Self::State {
         self.start_at(T::ZERO)
+    }
+
+    fn accepts(&self, state: &Self::State) -> bool {
+        state.model.iter().all(|model| sound::finite(&model.mean, &model.covariance, &[0, 3, 5]))
+            && sound::probabilities(state.probability.into_iter())
+            && state.window.iter().all(|&mean_square| sound::within(mean_square, -T::ONE, T::LARGEST))
+            && sound::flag(state.started)
     }
 
     fn period(&self) -> T {

@@ -53,6 +53,7 @@ fn run<S: Settings, T: Real>(rate_hz: f64, samples: &[(f64, f64)], title: &dyn F
         let flags = estimate.flags;
         let sound = estimate.rate.finite() && estimate.acceleration.finite() && estimate.variance.finite();
         assert!(sound && estimate.variance >= T::ZERO, "{}, sample {k}: {estimate:?}", title());
+        assert!(filter.accepts(&state), "{}, sample {k}: would not be restored: {state:?}", title());
         let moves = sample.dt.finite() && sample.dt.widen() > SHORTEST_STEP / rate_hz;
         let finite = sample.value.finite();
         let out_of_range = flags.has(Flags::OUT_OF_RANGE);

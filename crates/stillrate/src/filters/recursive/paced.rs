@@ -38,6 +38,9 @@ impl<T: Real, F: Paced<T>> Filter<T> for Nominal<F> {
     fn start(&self) -> F::State {
         self.0.start()
     }
+    fn accepts(&self, state: &F::State) -> bool {
+        self.0.accepts(state)
+    }
     fn period(&self) -> T {
         self.0.period()
     }
