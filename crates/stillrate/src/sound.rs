@@ -3,6 +3,7 @@
 //! A step needs no such questions, because it leaves behind what it can go on from; each filter's [`accepts`](crate::Filter::accepts) says
 //! with these what that is. Bounds on means keep their squares numbers, so that whatever follows is finite.
 
+use crate::filter::{Filter, LONGEST_GAP_S, Sample};
 use crate::gaussian::Gaussian2;
 use crate::real::Real;
 
@@ -70,6 +71,24 @@ pub(crate) fn finite<T: Real>(means: &[T], covariance: &[T], diagonal: &[usize])
     means.iter().all(|&number| at_most(number, T::LARGEST))
         && covariance.iter().all(|&number| at_most(number, T::LARGEST))
         && diagonal.iter().all(|&at| covariance.get(at).is_some_and(|&number| variance(number)))
+}
+
+/// Whether a filter goes on from a state to finite estimates: over nothing, rest, both ends of its range in turn, and long gaps. For filters
+/// that do not ask in a step whether they still hold their state.
+pub(crate) fn goes_on<T: Real, F: Filter<T>>(filter: &F, state: &F::State, limit: T) -> bool {
+    let (period, nothing) = (filter.period(), T::of(f64::NAN));
+    let gap = T::of(0.9 * LONGEST_GAP_S).most(T::of(2.9) * period);
+    [(nothing, period), (T::ZERO, period), (limit, period), (nothing, gap), (limit, gap)].into_iter().all(
+        |(value, dt)| {
+            let mut tried = *state;
+            (0..16).all(|k| {
+                let value = if k % 2 == 0 { value } else { -value };
+                let estimate = filter.step(&mut tried, Sample { value, dt });
+                let finite = estimate.rate.finite() && estimate.acceleration.finite();
+                finite && within(estimate.variance, T::ZERO, T::LARGEST)
+            })
+        },
+    )
 }
 
 /// Whether numbers can be probabilities of models of which one is right.

@@ -96,6 +96,7 @@ fn samples(dice: &mut Dice, sigma: f64, rate_hz: f64, count: usize) -> Vec<(f64,
             }
             let sign = if dice.below(2) == 0 { 1.0 } else { -1.0 };
             let most = (1.99e8 * sigma).least(0.99e12);
+            let most = if dice.below(2) == 0 { most } else { most.least(0.99e14 / rate_hz) };
             let size = ([1.0, 1e3, 1e6, 1.99e8][dice.below(4)] * sigma).least(most);
             let value = match mood {
                 0 => sign * sigma * dice.uniform(),

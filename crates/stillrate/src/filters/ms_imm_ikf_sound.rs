@@ -2,16 +2,22 @@
 
 use super::ms_imm_ikf::{MsImmIkf, MsImmIkfState, Wide};
 use crate::real::Real;
-use crate::reals::Lanes;
+use crate::reals::{Lanes, Reals};
 use crate::sound::{at_most, finite, flag, mean, probabilities, variance, within};
 
 impl<T: Real> MsImmIkf<T> {
     /// Whether steps can have left this behind.
     pub(crate) fn accepts_bank(&self, state: &Wide<T, 1>) -> bool {
         let s = state.lane(0);
+        let mut all_finite = true;
+        s.scatter(&mut |number: T| all_finite &= number.finite());
         let counts =
             flag(s.started) && at_most(s.renew_in, self.refresh_samples) && within(s.silent, T::ZERO, T::LARGEST);
-        counts && within(s.made_for, T::ZERO, T::LARGEST) && self.sound_models(&s) && self.sound_motion(&s)
+        all_finite
+            && counts
+            && within(s.made_for, T::ZERO, T::LARGEST)
+            && self.sound_models(&s)
+            && self.sound_motion(&s)
     }
 
     fn sound_models(&self, s: &MsImmIkfState<T>) -> bool {

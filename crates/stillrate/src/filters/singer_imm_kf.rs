@@ -10,7 +10,7 @@ use crate::gaussian::Gaussian2;
 use crate::imm::{judged, mix2, normalised, prior2, shares};
 use crate::kalman::{Reading, mix_ahead, update2};
 use crate::models::SingerCoefficients;
-use crate::noise::{GyroNoise, range};
+use crate::noise::{GyroNoise, RANGE_SIGMAS, range};
 use crate::plain;
 use crate::ranges;
 use crate::real::Real;
@@ -105,7 +105,7 @@ impl Settings for SingerImmKfSettings {
             model,
             leave: [transition[0][1], transition[1][0]],
             start_probability,
-            limit: range(limit),
+            limit: range(limit.least(LARGEST_LEAP_DPS2 * period / RANGE_SIGMAS)),
         })
     }
 }
@@ -120,6 +120,9 @@ pub(crate) fn visit_pair<V: Visit>(visitor: &mut V, name: &'static str, values: 
         _ => {}
     }
 }
+
+/// A reading this far away after one period is none: mixing squares the acceleration it means, and time stamps may lie closer still.
+const LARGEST_LEAP_DPS2: f64 = 1e14;
 
 /// Checks that both models speak of the same sensor.
 pub(crate) fn check_variances(pair: &[f64; 2]) -> Result<(), ConfigError> {
@@ -275,6 +278,7 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
             && [first, second].iter().all(|&weight| sound::within(weight, T::ZERO, T::ONE / T::TINY))
             && first + second >= T::TINY
             && sound::flag(state.started)
+            && sound::goes_on(self, state, self.limit)
     }
 
     fn period(&self) -> T {

@@ -135,7 +135,9 @@ impl<T: Real> Filter<T> for SingerKf<T> {
     }
 
     fn accepts(&self, state: &Self::State) -> bool {
-        sound::gaussian2(&state.model, sound::reach(self.alpha)) && sound::flag(state.started)
+        sound::gaussian2(&state.model, sound::reach(self.alpha))
+            && sound::flag(state.started)
+            && sound::goes_on(self, state, self.limit)
     }
 
     fn period(&self) -> T {
