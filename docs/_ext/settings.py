@@ -9,7 +9,7 @@ from typing import Any
 
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
-from stillrate import GyroNoise, methods
+from stillrate import GyroNoise, _native, methods
 from stillrate.config import Config
 
 RATE_HZ = 50.0
@@ -36,8 +36,8 @@ def words(cls: type[Config]) -> dict[str, str]:
     return found
 
 
-def rows(cls: type[Config]) -> list[tuple[str, str, str]]:
-    """Return name, default and words of every setting of a method, the ones all share first."""
+def rows(cls: type[Config]) -> list[tuple[str, str, str, str]]:
+    """Return name, default, range and words of every setting of a method, the ones all share first."""
     config = cls(sample_rate_hz=RATE_HZ, noise=NOISE)
     said = {**words(Config), **words(cls)}
     table = []
@@ -48,8 +48,17 @@ def rows(cls: type[Config]) -> list[tuple[str, str, str]]:
         )
         if item.name not in said:
             raise ValueError(f"{cls.__name__}.{item.name} has no words in the docstring")
-        table.append((item.name, shown, said[item.name]))
+        table.append((item.name, shown, allowed(cls, item.name), said[item.name]))
     return table
+
+
+def allowed(cls: type[Config], name: str) -> str:
+    """Return the range of a setting in words, from the table that checks it."""
+    found = _native.setting_range(cls.method, "noise.density_dps_sqrt_hz" if name == "noise" else name)
+    if found is None:
+        return ""
+    _, _, words, unit = found
+    return f"{words} {unit}".strip()
 
 
 def _shown(value: object) -> str:
@@ -67,20 +76,20 @@ class Settings(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Build the table."""
-        head = ("setting", f"default at {RATE_HZ:g} Hz", "meaning")
+        head = ("setting", f"default at {RATE_HZ:g} Hz", "range", "meaning")
         table = nodes.table(classes=["settings"])
         group = nodes.tgroup(cols=len(head))
         table += group
-        for width in (25, 20, 55):
+        for width in (22, 15, 18, 45):
             group += nodes.colspec(colwidth=width)
         group += nodes.thead("", self._row([nodes.Text(title) for title in head]))
         body = nodes.tbody()
         group += body
-        for name, default, meaning in rows(getattr(methods, self.arguments[0])):
+        for name, default, bounds, meaning in rows(getattr(methods, self.arguments[0])):
             parsed, _ = self.parse_inline(meaning.replace("``", "`"))
             paragraph = nodes.paragraph("", "", *parsed)
             body += self._row(
-                [nodes.literal(text=name), nodes.literal(text=default), paragraph]
+                [nodes.literal(text=name), nodes.literal(text=default), nodes.Text(bounds), paragraph]
             )
         return [table]
 

@@ -65,6 +65,9 @@ fuzz_target!(|bytes: &[u8]| {
             assert!(sound, "{method} {precision:?} {map:?}: {last:?}");
         }
     }
-    let twin = restore(&filter.save()).expect("what was saved can be restored");
-    assert_eq!(twin.save(), filter.save());
+    // With settings as far from any gyro as these a state may have overflowed inside: then it is refused, but never altered.
+    match restore(&filter.save()) {
+        Ok(twin) => assert_eq!(twin.save(), filter.save()),
+        Err(refusal) => assert!(refusal.to_string().contains("none that a"), "{method}: {refusal}"),
+    }
 });

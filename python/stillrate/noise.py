@@ -33,10 +33,15 @@ class GyroNoise:
     bias_time_s: float | None = None
 
     def __post_init__(self) -> None:
+        from stillrate import _native
         from stillrate.errors import ConfigError
 
         def check(name: str, value: float, allow_zero: bool, unit: str) -> None:
-            if not (math.isfinite(value) and (value > 0 or (allow_zero and value == 0))):
+            if bounds := _native.setting_range("ms-imm-ikf", f"noise.{name}"):
+                low, high, words, unit = bounds
+                if not low <= value <= high:
+                    raise ConfigError(f"{name} = {value:g} (must be {words} {unit})")
+            elif not (math.isfinite(value) and (value > 0 or (allow_zero and value == 0))):
                 allowed = ">= 0" if allow_zero else "> 0"
                 raise ConfigError(f"{name} = {value:g} (must be finite and {allowed} {unit})")
 

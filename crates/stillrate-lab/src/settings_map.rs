@@ -74,7 +74,8 @@ pub fn from_map<S: Settings>(map: &SettingsMap) -> Result<S, SettingsError> {
         noise = noise.with_rate_random_walk(walk);
     }
     // The defaults of some methods follow from rate and noise: these must make sense first.
-    stillrate::error::positive("sample_rate_hz", sample_rate_hz, "Hz")?;
+    let rates = stillrate::ranges::range_of(S::METHOD, "sample_rate_hz").unwrap_or(&stillrate::ranges::SAMPLE_RATE);
+    rates.check("sample_rate_hz", sample_rate_hz)?;
     let mut settings = S::defaults(sample_rate_hz, noise.checked()?);
     let mut reader = Reader { map, known: Vec::new(), error: None };
     settings.visit(&mut reader);

@@ -15,6 +15,7 @@ use crate::samples::{like, number_from, steps_from, trace_to_python};
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Filter>()?;
     module.add_function(wrap_pyfunction!(resolve, module)?)?;
+    module.add_function(wrap_pyfunction!(setting_range, module)?)?;
     module.add_function(wrap_pyfunction!(singer_coefficients, module)?)?;
     module.add_function(wrap_pyfunction!(method_names, module)?)
 }
@@ -43,6 +44,12 @@ fn resolve<'py>(py: Python<'py>, method: &str, settings: &Bound<'py, PyDict>) ->
     let map = settings_from(settings)?;
     let runner = runner::build(method, &map, 1, Precision::Double).map_err(|error| config_error(py, &error))?;
     settings_to(py, &runner.settings())
+}
+
+/// What a setting may be: smallest and largest value, the range in words, and its unit; None for words and unknown settings.
+#[pyfunction]
+fn setting_range(method: &str, name: &str) -> Option<(f64, f64, &'static str, &'static str)> {
+    stillrate::ranges::range_of(method, name).map(|range| (range.low, range.high, range.words, range.unit))
 }
 
 /// A filter with its channels: one class for every method.

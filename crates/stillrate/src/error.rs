@@ -33,7 +33,16 @@ impl ConfigError {
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let space = if self.unit.is_empty() { "" } else { " " };
-        write!(f, "{} = {} (must be {}{}{})", self.field, self.value, self.range, space, self.unit)
+        // Digits that nobody would count are left to the exponent.
+        let size = self.value.abs();
+        let plain = size == 0.0 || !self.value.is_finite() || (1e-6..1e16).contains(&size);
+        write!(f, "{} = ", self.field)?;
+        if plain {
+            write!(f, "{}", self.value)?
+        } else {
+            write!(f, "{:e}", self.value)?
+        };
+        write!(f, " (must be {}{}{})", self.range, space, self.unit)
     }
 }
 

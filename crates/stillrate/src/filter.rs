@@ -150,6 +150,25 @@ pub trait Filter<T: Real>: Copy + Send + Sync {
         self.observe(state, sample, &mut ())
     }
 
+    /// Whether a state is one that steps of this filter can leave behind: to be asked of a state that comes from a file or a caller.
+    /// Whatever comes after a state that is accepted, every estimate is finite and no variance negative.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, filters::Pt1};
+    /// let filter = Pt1::<f32>::new(1000.0, 20.0)?;
+    /// let mut state = filter.start();
+    /// assert!(filter.accepts(&state));
+    /// state.level = f32::INFINITY;
+    /// assert!(!filter.accepts(&state));
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
+    fn accepts(&self, state: &Self::State) -> bool {
+        let mut finite = true;
+        state.scatter(&mut |number: T| finite &= number.finite());
+        finite
+    }
+
     /// The configured sample period in seconds.
     fn period(&self) -> T;
 

@@ -60,6 +60,27 @@ pub(crate) fn predict_singer<T: Real>(
     }
 }
 
+/// A predicted mixture whose covariance is one. Mixing sums moments about a centre and takes the mean's own away; where models lie
+/// far apart, rounding can leave a cross term that its variances cannot have, and a gain that throws the state away.
+#[inline(always)]
+pub(crate) fn sound2<T: Real>(predicted: &Gaussian2<T>, least_acceleration: T) -> Gaussian2<T> {
+    let [p00, p01, p11] = predicted.covariance;
+    let p11 = p11.most(least_acceleration);
+    Gaussian2 { mean: predicted.mean, covariance: [p00, T::select(p01 * p01 <= p00 * p11, p01, T::ZERO), p11] }
+}
+
+/// The same for four components: the variances are held above the process noise, and the cross terms of the rate to them.
+#[inline(always)]
+pub(crate) fn sound4<T: Real>(predicted: &Gaussian4<T>, least: [T; 3]) -> Gaussian4<T> {
+    let mut covariance = predicted.covariance;
+    for (k, diagonal) in [4, 7, 9].into_iter().enumerate() {
+        let (variance, cross) = (covariance[diagonal].most(least[k]), covariance[k + 1]);
+        covariance[diagonal] = variance;
+        covariance[k + 1] = T::select(cross * cross <= covariance[0] * variance, cross, T::ZERO);
+    }
+    Gaussian4 { mean: predicted.mean, covariance }
+}
+
 /// Mixes the states of two Singer models by their weights and predicts the mixture; the noise is part of `step`. Symmetric, to the bit.
 ///
 /// The predicted variance of the rate is what everything waits for. It is linear in the sources' covariances, so each source is
@@ -151,7 +172,10 @@ fn weigh<T: Real>(predicted_rate: T, rate_variance: T, reading: &Reading<T>) -> 
     let spread = ordinary * outlier * (inverse - wide_inverse) * (inverse - wide_inverse) * square;
     let shrink = move_by - spread;
     let evidence = Evidence { exponent: highest, factor: good + bad, outlier, ..plain };
-    (evidence, move_by, shrink, T::ONE - rate_variance * shrink)
+    // 1 - P0 times that, as a sum of what both updates leave: a difference could cancel to less than nothing.
+    let wide_noise = reading.variance * T::of(1.0 + OUTLIER_VARIANCE);
+    let left = ordinary * (reading.variance * inverse) + outlier * (wide_noise * wide_inverse) + rate_variance * spread;
+    (evidence, move_by, shrink, left)
 }
 
 /// What a measurement leaves of a variance. Rounding may take all of it and more, but a variance never ends at or below zero.

@@ -34,9 +34,11 @@ mod kalman;
 pub mod models;
 pub mod noise;
 pub mod plain;
+pub mod ranges;
 pub mod real;
 pub mod reals;
 pub mod settings;
+mod sound;
 
 pub use error::ConfigError;
 pub use filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};

@@ -4,7 +4,8 @@
 //! two), so every constructor names its unit. Inside, the density is two-sided: N in deg/s/sqrt(Hz), the same number
 //! as the angle random walk in deg/sqrt(s), so that white samples at rate f have the standard deviation N sqrt(f).
 
-use crate::error::{ConfigError, not_negative, positive};
+use crate::error::ConfigError;
+use crate::ranges::{NOISE_DENSITY, RATE_RANDOM_WALK};
 use crate::real::Real;
 
 /// White noise density N and rate random walk K of a gyro.
@@ -75,10 +76,10 @@ impl GyroNoise {
     /// Checks both figures.
     ///
     /// # Errors
-    /// [`ConfigError`] if the density is not finite and above zero, or the walk not finite and at least zero.
+    /// [`ConfigError`] if the density is not in [`NOISE_DENSITY`] or the walk not in [`RATE_RANDOM_WALK`].
     pub fn checked(self) -> Result<Self, ConfigError> {
-        positive("noise.density_dps_sqrt_hz", self.density_dps_sqrt_hz, "deg/s/sqrt(Hz)")?;
-        not_negative("noise.rate_random_walk_dps_sqrt_s", self.rate_random_walk_dps_sqrt_s, "deg/s/sqrt(s)")?;
+        NOISE_DENSITY.check("noise.density_dps_sqrt_hz", self.density_dps_sqrt_hz)?;
+        RATE_RANDOM_WALK.check("noise.rate_random_walk_dps_sqrt_s", self.rate_random_walk_dps_sqrt_s)?;
         Ok(self)
     }
 
@@ -96,7 +97,10 @@ pub const RANGE_SIGMAS: f64 = 2e8;
 /// The same for filters that are not told the noise: above twice the largest count of a 32-bit converter, in whatever unit.
 pub const RANGE: f64 = 1e10;
 
-/// Largest magnitude that counts as a reading where samples have this standard deviation; its square is a number.
+/// And whatever the noise: a hundred times the largest count of a 32-bit converter, and its fourth power over a variance is a number.
+pub const RANGE_DPS: f64 = 1e12;
+
+/// Largest magnitude that counts as a reading where samples have this standard deviation.
 pub(crate) fn range<T: Real>(standard_deviation: f64) -> T {
-    T::of(RANGE_SIGMAS * standard_deviation).least(T::LARGEST.root())
+    T::of((RANGE_SIGMAS * standard_deviation).least(RANGE_DPS))
 }

@@ -41,8 +41,14 @@ pub trait Runner: Send {
     fn estimate(&self, channel: usize) -> LastEstimate;
     /// Configuration and state as versioned, checksummed bytes.
     fn save(&self) -> Vec<u8>;
-    /// Takes a state that [`Runner::save`] wrote; false if the numbers do not fit.
-    fn load(&mut self, numbers: &[f64]) -> bool;
+    /// Takes a state that [`Runner::save`] wrote.
+    ///
+    /// # Errors
+    /// A sentence, and nothing has changed, if there are not as many numbers as there should be or one of them is not what this
+    /// filter can leave behind.
+    fn load(&mut self, numbers: &[f64]) -> Result<(), String>;
+    /// Whether [`Runner::load`] takes so many numbers for so many channels.
+    fn fits(&self, numbers: usize, channels: usize) -> bool;
     /// Another one with the same configuration and state.
     fn duplicate(&self) -> Box<dyn Runner>;
 }
@@ -117,10 +123,12 @@ fn start<S: Settings>(
 /// A sentence that says why the bytes are refused: truncated, altered, of another version, or out of range.
 pub fn restore(bytes: &[u8]) -> Result<Box<dyn Runner>, SettingsError> {
     let saved = saved::read(bytes).map_err(SettingsError::Text)?;
-    let mut runner = build(&saved.method, &saved.settings, saved.channels, saved.precision)?;
-    if runner.load(&saved.numbers) {
-        Ok(runner)
-    } else {
-        Err(SettingsError::Text("saved state does not fit its configuration".into()))
+    // One channel first: a few bytes that speak of a million channels are refused before these are made.
+    let single = build(&saved.method, &saved.settings, 1, saved.precision)?;
+    if saved.channels == 0 || !single.fits(saved.numbers.len(), saved.channels) {
+        return Err(SettingsError::Text("saved state does not fit its configuration".into()));
     }
+    let mut runner = build(&saved.method, &saved.settings, saved.channels, saved.precision)?;
+    runner.load(&saved.numbers).map_err(SettingsError::Text)?;
+    Ok(runner)
 }

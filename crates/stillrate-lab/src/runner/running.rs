@@ -190,22 +190,42 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
         saved::write(S::METHOD, &self.settings(), self.states.len(), &numbers)
     }
 
-    fn load(&mut self, numbers: &[f64]) -> bool {
+    fn fits(&self, numbers: usize, channels: usize) -> bool {
         let count = <StateOf<S, T> as Reals<T>>::COUNT;
         let watched = ESTIMATE_NUMBERS + self.filter.models();
-        let Some((states, estimates)) = numbers.split_at_checked(count * self.states.len()) else { return false };
         // The first files of this version ended with the states.
-        if !estimates.is_empty() && estimates.len() != watched * self.states.len() {
-            return false;
+        [count, count + watched].iter().any(|each| each.checked_mul(channels) == Some(numbers))
+    }
+
+    fn load(&mut self, numbers: &[f64]) -> Result<(), String> {
+        let count = <StateOf<S, T> as Reals<T>>::COUNT;
+        let watched = ESTIMATE_NUMBERS + self.filter.models();
+        if !self.fits(numbers.len(), self.states.len()) {
+            return Err("saved state does not fit its configuration".into());
         }
-        for (state, part) in self.states.iter_mut().zip(states.chunks_exact(count)) {
+        let (states, estimates) = numbers.split_at(count * self.states.len());
+        let refused = |channel: usize, what: &str| {
+            format!(
+                "saved {what} of channel {channel} is none that a {} filter can have (damaged or made up)",
+                S::METHOD
+            )
+        };
+        let mut restored = self.states.clone();
+        for (channel, (state, part)) in restored.iter_mut().zip(states.chunks_exact(count)).enumerate() {
             let mut next = part.iter();
             *state = Reals::gather(&mut || T::of(next.next().copied().unwrap_or(0.0)));
+            if !self.filter.accepts(state) {
+                return Err(refused(channel, "state"));
+            }
         }
-        for (last, part) in self.last.iter_mut().zip(estimates.chunks_exact(watched)) {
-            last.gather(part);
+        let mut last = vec![Watched::blank(self.filter.models()); self.states.len()];
+        for (channel, (last, part)) in last.iter_mut().zip(estimates.chunks_exact(watched)).enumerate() {
+            if !last.gather(part) {
+                return Err(refused(channel, "estimate"));
+            }
         }
-        true
+        (self.states, self.last) = (restored, last);
+        Ok(())
     }
 
     fn duplicate(&self) -> Box<dyn Runner> {

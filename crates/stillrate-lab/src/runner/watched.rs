@@ -6,6 +6,9 @@ use stillrate::filter::{Estimate, Flags, ModelTrace, Observer, Sample};
 /// Numbers of a saved estimate besides the probabilities: see [`Watched::scatter`].
 pub(super) const ESTIMATE_NUMBERS: usize = 5;
 
+/// No flag has a bit above this.
+const ALL_FLAGS: u32 = (1 << 13) - 1;
+
 /// What a run looks like from inside: one entry a sample and channel, channels fastest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
@@ -83,9 +86,16 @@ impl<T: Real, U> Watched<T, U> {
         numbers.extend(self.models.iter().map(|model| model.probability));
     }
 
-    /// Takes what [`Watched::scatter`] gave.
-    pub(super) fn gather(&mut self, numbers: &[f64]) {
-        let [rate, acceleration, variance, frequency, flags, probabilities @ ..] = numbers else { return };
+    /// Takes what [`Watched::scatter`] gave; false, and nothing has changed, if that can never have been an estimate.
+    pub(super) fn gather(&mut self, numbers: &[f64]) -> bool {
+        let [rate, acceleration, variance, frequency, flags, probabilities @ ..] = numbers else { return false };
+        let finite = rate.is_finite() && acceleration.is_finite() && variance.is_finite() && *variance >= 0.0;
+        let known = frequency.is_nan() || (frequency.is_finite() && *frequency >= 0.0);
+        let flagged = (0.0..=f64::from(ALL_FLAGS)).contains(flags) && f64::from(*flags as u32) == *flags;
+        let likely = probabilities.iter().all(|probability| (0.0..=1.001).contains(probability));
+        if !(finite && known && flagged && likely) {
+            return false;
+        }
         self.estimate = Estimate {
             rate: T::of(*rate),
             acceleration: T::of(*acceleration),
@@ -97,6 +107,7 @@ impl<T: Real, U> Watched<T, U> {
             model.probability = T::of(*probability);
         }
         self.unseen = None;
+        true
     }
 }
 

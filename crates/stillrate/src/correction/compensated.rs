@@ -57,6 +57,10 @@ impl<T: Real, F: Filter<T>> Filter<T> for Compensated<F, T> {
         CompensatedState { filter: self.filter.start(), others: [middle(1), middle(2)] }
     }
 
+    fn accepts(&self, state: &Self::State) -> bool {
+        self.filter.accepts(&state.filter) && state.others.iter().all(|other| other.finite())
+    }
+
     fn period(&self) -> T {
         self.filter.period()
     }

@@ -7,13 +7,15 @@
 //! criterion picks p = 1 with phi = 0.0004, and R = 0.768 Q reproduces its noise reduction of 1.77. That filter is
 //! output = K z with K = 0.566: it attenuates true motion exactly as much as noise. It is there to be compared with.
 
-use crate::error::{ConfigError, positive};
+use crate::error::ConfigError;
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
+use crate::sound;
 
 /// Highest order of [`ArKf`].
 pub const HIGHEST_ORDER: usize = 8;
@@ -113,8 +115,10 @@ reals! {
     }
 }
 
-/// Whether the roots of an autoregressive model lie inside the unit circle (Levinson's recursion run backwards).
-fn stationary(coefficients: &[f64]) -> bool {
+/// Variance of the signal over that of its driving noise, by Levinson's recursion run backwards: the product of 1 / (1 - k^2) over the
+/// reflections k. `None` where one of them is not inside the unit circle: then a root is not either, and the model not stationary.
+fn power_gain(coefficients: &[f64]) -> Option<f64> {
+    let mut gain = 1.0;
     let mut left = [0.0; HIGHEST_ORDER];
     for (copy, &coefficient) in left.iter_mut().zip(coefficients) {
         *copy = coefficient;
@@ -123,33 +127,53 @@ fn stationary(coefficients: &[f64]) -> bool {
         let reflection = left[order - 1];
         let inside = reflection.magnitude() < 1.0;
         if !inside {
-            return false;
+            return None;
         }
+        gain /= 1.0 - reflection * reflection;
         let before = left;
         for i in 0..order - 1 {
             left[i] = (before[i] + reflection * before[order - 2 - i]) / (1.0 - reflection * reflection);
         }
     }
-    true
+    Some(gain)
 }
+
+/// Variance of the signal over that of the driving noise at most: memories of a million samples, far from where rounding makes a model
+/// unstable.
+const LARGEST_POWER_GAIN: f64 = 1e6;
 
 impl<T: Real> ArKf<T> {
     /// Filter from its settings.
     ///
     /// # Errors
-    /// [`ConfigError`] unless the order is 1 to 8, the model stationary, and both variances finite and above zero.
+    /// [`ConfigError`] if the order is not 1 to 8, the model not stationary, a variance out of its [range](crate::ranges), or the
+    /// signal so large beside the measurement noise that the precision cannot hold both.
     pub fn new(settings: &ArKfSettings) -> Result<Self, ConfigError> {
-        let period = 1.0 / positive("sample_rate_hz", settings.sample_rate_hz, "Hz")?;
+        ranges::check(settings)?;
+        let period = 1.0 / settings.sample_rate_hz;
         let used = match settings.coefficients.get(..settings.order) {
             Some(used) if !used.is_empty() => used,
             _ => return Err(ConfigError::new("coefficients", settings.order as f64, "values", "a list of 1 to 8")),
         };
-        if !stationary(used) {
+        let first = settings.coefficients[0];
+        let Some(gain) = power_gain(used) else {
             let range = "the first coefficient of a stationary model (all roots inside the unit circle)";
-            return Err(ConfigError::new("coefficients", settings.coefficients[0], "", range));
+            return Err(ConfigError::new("coefficients", first, "", range));
+        };
+        if gain > LARGEST_POWER_GAIN {
+            let range = "the first coefficient of a model whose signal has at most 1e6 times the driving variance";
+            return Err(ConfigError::new("coefficients", first, "", range));
         }
-        let process = positive("process_variance_dps2", settings.process_variance_dps2, "(deg/s)^2")?;
-        let measurement = positive("measurement_variance_dps2", settings.measurement_variance_dps2, "(deg/s)^2")?;
+        let (process, measurement) = (settings.process_variance_dps2, settings.measurement_variance_dps2);
+        if process < 1e-12 * measurement {
+            let range = "at least 1e-12 times measurement_variance_dps2, in";
+            return Err(ConfigError::new("process_variance_dps2", process, "(deg/s)^2", range));
+        }
+        // An update leaves the measurement variance of a signal variance: beyond, nothing but rounding errors.
+        if gain * process / measurement > 1.0 / T::EPSILON.widen() {
+            let range = "so small that the signal has at most 8e6 times measurement_variance_dps2 (f64: 4e15), in";
+            return Err(ConfigError::new("process_variance_dps2", process, "(deg/s)^2", range));
+        }
         let unit = measurement.root();
         let mut coefficients = [T::ZERO; HIGHEST_ORDER];
         for (mine, &given) in coefficients.iter_mut().zip(used) {
@@ -237,6 +261,16 @@ impl<T: Real> Filter<T> for ArKf<T> {
 
     fn start(&self) -> ArKfState<T> {
         self.at(T::ZERO, T::ZERO)
+    }
+
+    fn accepts(&self, state: &ArKfState<T>) -> bool {
+        let p = &state.covariance;
+        let pairs = (0..HIGHEST_ORDER).all(|i| {
+            (0..i).all(|j| p[i][j] == p[j][i] && sound::covariance(p[i][j], p[i][i], p[j][j]))
+                && sound::variance(p[i][i] * (self.unit * self.unit).most(T::ONE))
+        });
+        let lags = state.lags.iter().all(|&lag| sound::mean(lag * self.unit.most(T::ONE)));
+        pairs && lags && sound::flag(state.started)
     }
 
     fn period(&self) -> T {

@@ -6,15 +6,17 @@
 //! where direct form in `f32` is off by 2e-4 for a cut-off at a 400th of the sample rate, and the states keep their
 //! meaning when the time step changes.
 
-use crate::error::{ConfigError, between, positive};
+use crate::error::{ConfigError, between};
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::glide::{self, Glide};
 use crate::noise::{GyroNoise, RANGE};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::reals::Lane;
 use crate::settings::{Settings, Visit};
+use crate::sound;
 
 /// Settings of [`Biquad`].
 #[derive(Clone, Debug, PartialEq)]
@@ -115,12 +117,12 @@ impl<T: Real> Biquad<T> {
     /// # Errors
     /// [`ConfigError`] if the cut-off is not between 0 and half the sample rate or the quality not in 0.05..=100.
     pub fn new(sample_rate_hz: f64, cutoff_hz: f64, quality: f64) -> Result<Self, ConfigError> {
-        let period = 1.0 / positive("sample_rate_hz", sample_rate_hz, "Hz")?;
+        ranges::check(&BiquadSettings { sample_rate_hz, cutoff_hz, quality })?;
+        let period = 1.0 / sample_rate_hz;
         let range = "above 0 and below 0.477 of sample_rate_hz in";
         // The tangent of the prewarping has lost its meaning beyond.
         let highest = LARGEST_ANGLE / core::f64::consts::PI * sample_rate_hz;
         let cutoff = between("cutoff_hz", cutoff_hz, 0.0, highest, "Hz", range)?;
-        let quality = between("quality", quality, 0.05, 100.0, "", "between 0.05 and 100")?;
         let half_corner = core::f64::consts::PI * cutoff;
         Ok(Self {
             period_s: T::of(period),
@@ -137,6 +139,12 @@ impl<T: Real> Filter<T> for Biquad<T> {
 
     fn start(&self) -> BiquadState<T> {
         BiquadState { slope: T::ZERO, level: T::ZERO, output: T::ZERO, started: T::ZERO }
+    }
+
+    fn accepts(&self, state: &BiquadState<T>) -> bool {
+        // A loop of quality 100 rings this high at most.
+        let most = T::of(1e4) * self.limit;
+        [state.slope, state.level, state.output].iter().all(|&x| sound::at_most(x, most)) && sound::flag(state.started)
     }
 
     fn period(&self) -> T {

@@ -4,7 +4,7 @@
 //! the threshold, both restart at zero and all but `samples_kept` samples' worth of the past is forgotten: K <- max(K, 1/samples_kept). Page, Biometrika
 //! 41 (1954); Gustafsson, Adaptive Filtering and Change Detection, chapter 3. Best where the rate jumps; `variable-forgetting` is best where it flows.
 
-use crate::error::{ConfigError, not_negative, positive};
+use crate::error::ConfigError;
 use crate::filter::{Estimate, Flags, Observer, Sample};
 use crate::filters::recursive::innovation::Innovation;
 use crate::filters::recursive::level::LevelState;
@@ -12,9 +12,11 @@ use crate::filters::recursive::memory::{Forgetting, Memory, check_memory, tau_of
 use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
+use crate::sound;
 
 /// Forgetting factor at rest: a noise ratio of 0.16.
 const DEFAULT_FORGETTING_FACTOR: f64 = 0.951;
@@ -59,20 +61,17 @@ impl Settings for CusumForgettingSettings {
     }
 
     fn build<T: Real>(&self) -> Result<CusumForgetting<T>, ConfigError> {
-        let rate = positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
-        let variance = self.noise.checked()?.sample_variance(rate);
+        ranges::check(self)?;
+        let rate = self.sample_rate_hz;
+        let variance = self.noise.sample_variance(rate);
         let factor = check_memory(self.tau_s, self.forgetting_factor, rate)?;
-        let samples_kept = self.samples_kept;
-        if !(samples_kept >= 1.0 && samples_kept.is_finite()) {
-            return Err(ConfigError::new("samples_kept", samples_kept, "", "finite and >= 1"));
-        }
         Ok(CusumForgetting {
             period_s: T::of(1.0 / rate),
             loss: T::of(1.0 - factor),
             tau_s: T::of(self.tau_s).least(T::LARGEST),
-            drift: T::of(not_negative("drift", self.drift, "")?),
-            threshold: T::of(positive("threshold", self.threshold, "")?),
-            samples_kept: T::of(samples_kept),
+            drift: T::of(self.drift),
+            threshold: T::of(self.threshold),
+            samples_kept: T::of(self.samples_kept),
             sigma: T::of(variance.root()),
             sample_variance: T::of(variance),
             limit: range(variance.root()),
@@ -149,6 +148,13 @@ impl<T: Real> Paced for CusumForgetting<T> {
 
     fn begin(&self) -> CusumForgettingState<T> {
         CusumForgettingState { mean: LevelState::start(), gain: T::ONE, upward: T::ZERO, downward: T::ZERO }
+    }
+
+    fn admits(&self, state: &CusumForgettingState<T>) -> bool {
+        state.mean.sound(self.limit)
+            && sound::within(state.gain, T::ZERO, T::ONE)
+            && sound::within(state.upward, T::ZERO, T::of(1e12))
+            && sound::within(state.downward, T::ZERO, T::of(1e12))
     }
 
     fn nominal_s(&self) -> T {

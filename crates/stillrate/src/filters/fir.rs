@@ -10,13 +10,15 @@
 
 use core::f64::consts::{PI, TAU};
 
-use crate::error::{ConfigError, between, not_negative, positive};
+use crate::error::{ConfigError, between};
 use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
+use crate::sound;
 
 /// Most taps a filter can have.
 pub const CAPACITY: usize = 128;
@@ -79,8 +81,9 @@ impl Settings for FirLowPassSettings {
     }
 
     fn build<T: Real>(&self) -> Result<FirLowPass<T>, ConfigError> {
-        let rate = positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
-        let variance = self.noise.checked()?.sample_variance(rate);
+        ranges::check(self)?;
+        let rate = self.sample_rate_hz;
+        let variance = self.noise.sample_variance(rate);
         let (taps, count) = self.designed()?;
         Ok(FirLowPass {
             period_s: T::of(1.0 / rate),
@@ -101,9 +104,7 @@ impl FirLowPassSettings {
     pub fn designed(&self) -> Result<([f64; CAPACITY], usize), ConfigError> {
         if self.tap_count > 0 {
             for &tap in self.taps.iter().take(self.tap_count) {
-                if !tap.is_finite() {
-                    return Err(ConfigError::new("taps", tap, "", "finite"));
-                }
+                ranges::TAP.check("taps", tap)?;
             }
             let used = core::array::from_fn(|k| if k < self.tap_count { self.taps[k] } else { 0.0 });
             return Ok((used, self.tap_count.min(CAPACITY)));
@@ -112,7 +113,7 @@ impl FirLowPassSettings {
         if !(length >= 1.0 && length <= CAPACITY as f64 && libm::floor(length) == length) {
             return Err(ConfigError::new("length", length, "taps", "a whole number from 1 to 128"));
         }
-        let cutoff = not_negative("cutoff_hz", self.cutoff_hz, "Hz")?;
+        let cutoff = ranges::CUTOFF_OR_NONE.check("cutoff_hz", self.cutoff_hz)?;
         if cutoff > 0.0 {
             let range = "above 0 and below half the sample rate in (or 0 for the window alone)";
             between("cutoff_hz", cutoff, 0.0, 0.5 * self.sample_rate_hz, "Hz", range)?;
@@ -218,6 +219,13 @@ impl<T: Real> Filter<T> for FirLowPass<T> {
         FirLowPassState { samples: [T::ZERO; CAPACITY], output: T::ZERO, started: T::ZERO }
     }
 
+    fn accepts(&self, state: &FirLowPassState<T>) -> bool {
+        let largest = self.taps.iter().fold(T::ZERO, |sum, tap| sum + tap.magnitude()) * self.limit;
+        state.samples.iter().all(|&sample| sound::at_most(sample, self.limit))
+            && sound::at_most(state.output, T::of(1.001) * largest)
+            && sound::flag(state.started)
+    }
+
     fn period(&self) -> T {
         self.period_s
     }
@@ -232,7 +240,9 @@ impl<T: Real> Filter<T> for FirLowPass<T> {
         let checked = sample.check(self.limit, self.period_s);
         state.started = checked.known(state.started);
         let innovation = T::select(checked.present, checked.value - state.output, T::of(f64::NAN));
-        let value = T::select(checked.present, checked.value, state.output);
+        // Taps that amplify would otherwise feed on their own output for ever.
+        let held = state.output.limited(-self.limit, self.limit);
+        let value = T::select(checked.present, checked.value, held);
         let fresh = checked.present && (state.started == T::ZERO || checked.restart);
         if fresh {
             state.samples = [T::select(self.from_zero == T::ONE, T::ZERO, value); CAPACITY];

@@ -8,7 +8,7 @@
 //! lambda/(1 - lambda) samples like any causal average of the same noise reduction; order 2 has no lag on a ramp and pays
 //! with 2.5 times the variance at the same lambda and 13 % overshoot.
 
-use crate::error::{ConfigError, positive};
+use crate::error::ConfigError;
 use crate::filter::{Checked, Estimate, Observer, Sample};
 use crate::filters::recursive::averaging::{Averaging, Forgotten, Sensor};
 use crate::filters::recursive::level::{LevelState, Seen};
@@ -17,6 +17,7 @@ use crate::filters::recursive::memory::{Forgetting, Memory, check_memory, factor
 use crate::filters::recursive::paced::{Paced, step_paced};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
@@ -41,7 +42,7 @@ pub struct RecursiveLeastSquaresSettings {
     pub noise: GyroNoise,
     /// 1: weighted mean; 2: weighted straight line. Default 1.
     pub order: f64,
-    /// Memory, s: the weight of a sample falls to 1/e in this time. Default 0.1 s.
+    /// Memory, s: the weight of a sample falls to 1/e in this time. Default 0.1 s, a tenth of a sample period at least.
     pub tau_s: f64,
     /// The same as a factor a sample, in (0, 1]: exp(-1/(tau_s sample_rate_hz)).
     pub forgetting_factor: f64,
@@ -52,8 +53,8 @@ impl Settings for RecursiveLeastSquaresSettings {
     type Filter<T: Real> = RecursiveLeastSquares<T>;
 
     fn defaults(sample_rate_hz: f64, noise: GyroNoise) -> Self {
-        let forgetting_factor = factor_of(DEFAULT_TAU_S, sample_rate_hz);
-        Self { sample_rate_hz, noise, order: 1.0, tau_s: DEFAULT_TAU_S, forgetting_factor }
+        let tau_s = DEFAULT_TAU_S.most(0.1 / sample_rate_hz);
+        Self { sample_rate_hz, noise, order: 1.0, tau_s, forgetting_factor: factor_of(tau_s, sample_rate_hz) }
     }
 
     fn visit<V: Visit>(&mut self, visitor: &mut V) {
@@ -65,8 +66,8 @@ impl Settings for RecursiveLeastSquaresSettings {
     }
 
     fn build<T: Real>(&self) -> Result<RecursiveLeastSquares<T>, ConfigError> {
-        let rate = positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
-        let noise = self.noise.checked()?;
+        ranges::check(self)?;
+        let (rate, noise) = (self.sample_rate_hz, self.noise);
         let second = check_order(self.order)?;
         let factor = check_memory(self.tau_s, self.forgetting_factor, rate)?;
         Ok(RecursiveLeastSquares {
@@ -194,6 +195,10 @@ impl<T: Real> Paced for RecursiveLeastSquares<T> {
 
     fn begin(&self) -> RecursiveLeastSquaresState<T> {
         RecursiveLeastSquaresState { mean: LevelState::start(), line: LineState::start() }
+    }
+
+    fn admits(&self, state: &RecursiveLeastSquaresState<T>) -> bool {
+        state.mean.sound(self.mean.limit) && state.line.sound(self.mean.period_s)
     }
 
     fn nominal_s(&self) -> T {

@@ -8,13 +8,15 @@
 //! What bounds it for any input: the error counts at most four times sqrt(delta + |z|^2) in learning, a weight stays within -2..2, and
 //! the output within twice the largest of the last 16 samples (within the largest while samples are missing).
 
-use crate::error::{ConfigError, between, positive};
+use crate::error::ConfigError;
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
+use crate::sound;
 
 /// Order of the prediction.
 const ORDER: usize = 16;
@@ -102,14 +104,14 @@ impl<T: Real> LinearPrediction<T> {
     /// Filter from its settings.
     ///
     /// # Errors
-    /// [`ConfigError`] unless sample rate and noise density are finite and above zero and 0 < `step_size` < 2.
+    /// [`ConfigError`] if a setting is out of its [range](crate::ranges).
     pub fn new(settings: &LinearPredictionSettings) -> Result<Self, ConfigError> {
-        let rate = positive("sample_rate_hz", settings.sample_rate_hz, "Hz")?;
-        let density = positive("noise.density_dps_sqrt_hz", settings.noise.density_dps_sqrt_hz, "deg/s/sqrt(Hz)")?;
-        let unit = density * rate.root();
+        ranges::check(settings)?;
+        let rate = settings.sample_rate_hz;
+        let unit = settings.noise.density_dps_sqrt_hz * rate.root();
         Ok(Self {
             period_s: T::of(1.0 / rate),
-            step_size: T::of(between("step_size", settings.step_size, 0.0, 2.0, "", "above 0 and below 2")?),
+            step_size: T::of(settings.step_size),
             unit: T::of(unit),
             limit: range(unit),
         })
@@ -152,6 +154,13 @@ impl<T: Real> Filter<T> for LinearPrediction<T> {
     fn start(&self) -> LinearPredictionState<T> {
         let weights = [T::ONE / T::of(ORDER as f64); ORDER];
         LinearPredictionState { history: [T::ZERO; ORDER], weights, output: T::ZERO, started: T::ZERO }
+    }
+
+    fn accepts(&self, state: &LinearPredictionState<T>) -> bool {
+        let limit = self.limit / self.unit;
+        let history = state.history.iter().all(|&sample| sound::at_most(sample, limit));
+        let weights = state.weights.iter().all(|&weight| sound::at_most(weight, T::of(LARGEST_WEIGHT)));
+        history && weights && sound::at_most(state.output, T::of(LARGEST_REACH) * limit) && sound::flag(state.started)
     }
 
     fn period(&self) -> T {

@@ -11,6 +11,7 @@ mod ms_imm_ikf_cycle;
 mod ms_imm_ikf_paper;
 mod ms_imm_ikf_paper_settings;
 mod ms_imm_ikf_settings;
+mod ms_imm_ikf_sound;
 mod one_euro;
 mod online_ar;
 mod pt1;

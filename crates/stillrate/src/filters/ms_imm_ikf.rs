@@ -292,7 +292,7 @@ impl<T: Real> MsImmIkf<T> {
         };
         let mut lost = false;
         for c in 0..W {
-            lost |= !(s.fused[0].0[c].finite() & s.fused[1].0[c].finite() & s.fused[2].0[c].finite());
+            lost |= !self.holds(&s.fused.lane(c));
         }
         if lost {
             self.recover(s, &mut flags);
@@ -344,13 +344,19 @@ impl<T: Real> MsImmIkf<T> {
         })
     }
 
+    /// Whether a fused estimate is one: finite, and so far within the numbers that it can be squared or divided by a period.
+    #[inline(always)]
+    fn holds(&self, [rate, acceleration, variance]: &[T; 3]) -> bool {
+        (rate.magnitude() <= T::LARGEST.root()) & (acceleration.magnitude() <= T::LARGEST.root()) & variance.finite()
+    }
+
     /// Starts channels anew that have lost their state.
     #[cold]
     #[inline(never)]
     fn recover<const W: usize>(&self, s: &mut Wide<T, W>, flags: &mut [Flags; W]) {
         let fresh = self.start_wide::<W>();
         for c in 0..W {
-            if !s.fused.lane(c).iter().all(|number| number.finite()) {
+            if !self.holds(&s.fused.lane(c)) {
                 s.set_lane(c, fresh.lane(c));
                 flags[c] = flags[c].with(Flags::DIVERGED);
             }
@@ -363,6 +369,10 @@ impl<T: Real> Filter<T> for MsImmIkf<T> {
 
     fn start(&self) -> Self::State {
         self.start_wide()
+    }
+
+    fn accepts(&self, state: &Self::State) -> bool {
+        self.accepts_bank(state)
     }
 
     fn period(&self) -> T {

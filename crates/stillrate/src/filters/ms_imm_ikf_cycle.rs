@@ -7,7 +7,7 @@ use super::ms_imm_ikf::{MsImmIkf, OSCILLATORS, PROBABILITY_FLOOR, Pace, RUNGS, W
 use crate::filter::{Checked, Flags, ModelTrace, Observer};
 use crate::gaussian::Gaussian2;
 use crate::imm::{Sums2, Sums4};
-use crate::kalman::{Evidence, Reading, predict_oscillator, predict_singer, update2, update4};
+use crate::kalman::{Evidence, Reading, predict_oscillator, predict_singer, sound2, sound4, update2, update4};
 use crate::real::Real;
 use crate::reals::{Lane, Lanes};
 
@@ -203,7 +203,8 @@ impl<T: Real> MsImmIkf<T> {
                 let own = extra * s.rung_probability[j].0[c];
                 let (prior, mixed) = sources.plain.lane(c).mixed(own, &s.rung[j].lane(c), sources.centre.lane(c));
                 s.rung_probability[j].0[c] = prior;
-                s.rung[j].set_lane(c, predict_singer(&mixed, &pace.singer, self.rung_intensity[j]));
+                let predicted = predict_singer(&mixed, &pace.singer, self.rung_intensity[j]);
+                s.rung[j].set_lane(c, sound2(&predicted, self.rung_intensity[j] * pace.singer.q22));
             }
         }
         for j in 0..self.oscillators() {
@@ -212,8 +213,10 @@ impl<T: Real> MsImmIkf<T> {
                 let centre = sources.centre.lane(c);
                 let (prior, mixed) = sources.widened.lane(c).mixed(own, &s.oscillator[j].lane(c), centre);
                 s.oscillator_probability[j].0[c] = prior;
-                let predicted = predict_oscillator(&mixed, &s.step.lane(c), self.oscillator_intensity[j]);
-                s.oscillator[j].set_lane(c, predicted);
+                let (step, intensity) = (s.step.lane(c), self.oscillator_intensity[j]);
+                let predicted = predict_oscillator(&mixed, &step, intensity);
+                let least = [step.noise[4] * intensity, step.noise[7] * intensity, step.noise[9] * intensity];
+                s.oscillator[j].set_lane(c, sound4(&predicted, least));
             }
         }
         s.lacking = s.lacking_next;

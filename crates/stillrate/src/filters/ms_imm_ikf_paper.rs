@@ -5,7 +5,8 @@
 //!
 //! Erratum (eq. 23): the printed P(k|k-1) stands for x(k|k-1) = F x0. Erratum: lambda >= 1 on all of P multiplies the variance of
 //! alpha, which no measurement reduces, so the printed filter overflows by itself; that is reported by
-//! [`Flags::DIVERGED`], and the filter starts anew at that sample. What the paper leaves open is a setting.
+//! [`Flags::DIVERGED`], and the filter starts anew at that sample. Where lambda leaves alpha alone, it is bounded so that this cannot
+//! happen. What the paper leaves open is a setting.
 
 use crate::adaptive::fading::{FadingForm, FadingSource, fading_factor};
 use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
@@ -16,6 +17,7 @@ use crate::models::modified_singer::{Parameter, alpha_of, predict_modified};
 use crate::plain;
 use crate::real::Real;
 use crate::reals;
+use crate::sound;
 
 /// When the fading factor acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -202,6 +204,16 @@ impl<T: Real> MsImmIkfPaper<T> {
         self.fading_scale * square
     }
 
+    /// A fading factor that leaves the acceleration within a swing from rail to rail in one period. Fading acts on what a measurement of the
+    /// rate hardly reduces; a row of wild samples would otherwise make it overflow. Not where it also multiplies the variance of alpha:
+    /// that is the filter as printed.
+    #[inline(always)]
+    fn bounded(&self, wanted: T, acceleration_variance: T) -> T {
+        let swing = self.limit / self.period_s;
+        let most = T::select(self.fades_alpha == 1, T::LARGEST, swing * swing / acceleration_variance);
+        wanted.least(most.most(T::ONE))
+    }
+
     /// The whole cycle with a usable time step; `present` says whether there is a value.
     #[inline(always)]
     fn cycle(&self, s: &mut MsImmIkfPaperState<T>, value: T, present: bool, dt: T) -> [ModelTrace<T>; 2] {
@@ -229,7 +241,7 @@ impl<T: Real> MsImmIkfPaper<T> {
                 FadingGate::WhileMoving => !at_rest,
                 FadingGate::SecondModelWhileMoving => !at_rest && i == 1,
             };
-            let fading = T::select(present && acts, wanted, T::ONE);
+            let fading = T::select(present && acts, self.bounded(wanted, prediction.carried[3]), T::ONE);
             let predicted = prediction.faded(fading, self.fades_alpha == 1);
             let (updated, evidence) = update3(&predicted, &Reading::plain(value, model.measurement_variance));
             let kept = if present { updated } else { predicted };
@@ -257,6 +269,13 @@ impl<T: Real> Filter<T> for MsImmIkfPaper<T> {
 
     fn start(&self) -> Self::State {
         self.start_at(T::ZERO)
+    }
+
+    fn accepts(&self, state: &Self::State) -> bool {
+        state.model.iter().all(|model| sound::finite(&model.mean, &model.covariance, &[0, 3, 5]))
+            && sound::probabilities(state.probability.into_iter())
+            && state.window.iter().all(|&mean_square| sound::within(mean_square, -T::ONE, T::LARGEST))
+            && sound::flag(state.started)
     }
 
     fn period(&self) -> T {

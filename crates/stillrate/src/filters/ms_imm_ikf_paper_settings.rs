@@ -1,9 +1,10 @@
 //! Settings of the published MS-IMM-IKF: its modes and every choice that the paper leaves open.
 
 use super::ms_imm_ikf_paper::{MsImmIkfPaper, PaperModel};
-use super::singer_imm_kf::{probability_pair, singer_model, transition_matrix};
-use crate::error::{ConfigError, not_negative, positive};
-use crate::noise::{GyroNoise, RANGE_SIGMAS};
+use super::singer_imm_kf::{SingerFigures, check_variances, probability_pair, transition_matrix};
+use crate::error::ConfigError;
+use crate::noise::{GyroNoise, range};
+use crate::ranges;
 use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
 
@@ -175,30 +176,28 @@ impl Settings for MsImmIkfPaperSettings {
     }
 
     fn build<T: Real>(&self) -> Result<MsImmIkfPaper<T>, ConfigError> {
-        let period = 1.0 / positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
+        ranges::check(self)?;
+        let period = 1.0 / self.sample_rate_hz;
         if self.jacobian == 1 && self.alpha_mixing == 0 {
             // The private row keeps covariances with a rate that the mixing replaces: P can lose positive definiteness.
             let range = "exact only with alpha_mixing = shared (the covariance can lose definiteness otherwise)";
             return Err(ConfigError::new("jacobian", 1.0, "", range));
         }
         let stay = self.static_stay_probability;
-        if !(0.0..=1.0).contains(&stay) {
-            return Err(ConfigError::new("static_stay_probability", stay, "", "from 0 (off) to 1"));
+        check_variances(&self.measurement_variance)?;
+        SingerFigures {
+            alpha_per_s: &self.alpha_per_s,
+            accel_max_dps2: &self.accel_max_dps2,
+            initial_variance: &self.initial_acceleration_variance,
         }
-        if !(0.0..1.0).contains(&self.fading_memory) {
-            return Err(ConfigError::new("fading_memory", self.fading_memory, "", "from 0 to below 1"));
-        }
+        .check()?;
         let logarithmic = self.mode == 3;
         let mut model = [PaperModel::NONE; 2];
         let mut limit = 0.0_f64;
         for (i, model) in model.iter_mut().enumerate() {
-            let (alpha, _) = singer_model(self.alpha_per_s[i], self.accel_max_dps2[i])?;
-            let variance = positive("measurement_variance", self.measurement_variance[i], "(deg/s)^2")?;
-            let rate = positive("initial_rate_variance", self.initial_rate_variance[i], "(deg/s)^2")?;
-            let start = self.initial_acceleration_variance[i];
-            let start = positive("initial_acceleration_variance", start, "(deg/s^2)^2")?;
-            let third = not_negative("initial_alpha_variance", self.initial_alpha_variance[i], "")?;
-            let walk = not_negative("alpha_noise_density", self.alpha_noise_density[i], "1/s")?;
+            let (alpha, variance) = (self.alpha_per_s[i], self.measurement_variance[i]);
+            let (rate, start) = (self.initial_rate_variance[i], self.initial_acceleration_variance[i]);
+            let (third, walk) = (self.initial_alpha_variance[i], self.alpha_noise_density[i]);
             *model = PaperModel {
                 parameter: T::of(if logarithmic { alpha.logarithm() } else { alpha }),
                 acceleration_variance: T::of(self.accel_max_dps2[i] * self.accel_max_dps2[i] / 3.0),
@@ -206,7 +205,7 @@ impl Settings for MsImmIkfPaperSettings {
                 alpha_noise: T::of(walk),
                 start_variance: [T::of(rate), T::of(start), T::of(third)],
             };
-            limit = limit.most(RANGE_SIGMAS * variance.root());
+            limit = limit.most(variance.root());
         }
         Ok(MsImmIkfPaper {
             period_s: T::of(period),
@@ -218,11 +217,11 @@ impl Settings for MsImmIkfPaperSettings {
                 transition_matrix(&self.transition)?
             },
             start_probability: probability_pair(&self.initial_probability)?,
-            static_alpha: T::of(not_negative("static_alpha_per_s", self.static_alpha_per_s, "1/s")?),
-            fading_scale: T::of(not_negative("fading_scale", self.fading_scale, "")?),
+            static_alpha: T::of(self.static_alpha_per_s),
+            fading_scale: T::of(self.fading_scale),
             fading_memory: T::of(self.fading_memory),
-            fading_softening: T::of(positive("fading_softening", self.fading_softening, "")?),
-            limit: T::of(limit),
+            fading_softening: T::of(self.fading_softening),
+            limit: range(limit),
             shares_alpha: u32::from(self.alpha_mixing == 1),
             fades_alpha: u32::from(self.fading_scope == 1),
             exact_jacobian: u32::from(self.jacobian == 1),

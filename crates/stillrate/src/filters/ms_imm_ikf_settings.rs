@@ -2,8 +2,9 @@
 
 use super::ms_imm_ikf::{MsImmIkf, NOISE_SHARE, OSCILLATORS, Pace, RUNGS};
 use crate::adaptive::manoeuvre_frequency::FrequencyMemory;
-use crate::error::{ConfigError, not_negative, positive};
-use crate::noise::{GyroNoise, RANGE_SIGMAS};
+use crate::error::ConfigError;
+use crate::noise::{GyroNoise, range};
+use crate::ranges;
 use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
 
@@ -114,10 +115,10 @@ fn ladder(sample_rate_hz: f64) -> ([f64; RUNGS], usize) {
     (rungs, count)
 }
 
-/// Positive, or infinite where that means "none".
-fn positive_or_infinite(field: &'static str, value: f64, unit: &'static str) -> Result<f64, ConfigError> {
-    if value > 0.0 { Ok(value) } else { Err(ConfigError::new(field, value, unit, "> 0 (inf for none)")) }
-}
+/// Bandwidth of a rung over the sample rate at most: far beyond half of it every rung passes everything.
+const WIDEST_RUNG: f64 = 1e4;
+/// Width of an oscillator in radians a sample at most.
+const WIDEST_OSCILLATOR: f64 = 1e5;
 
 impl<T: Real> MsImmIkf<T> {
     /// Checks the settings and computes everything that does not change from sample to sample.
@@ -125,36 +126,23 @@ impl<T: Real> MsImmIkf<T> {
     /// # Errors
     /// [`ConfigError`] that names the first setting that cannot be used.
     pub fn new(settings: &MsImmIkfSettings) -> Result<Self, ConfigError> {
-        let rate = positive("sample_rate_hz", settings.sample_rate_hz, "Hz")?;
-        // Two and more models need a rung at or above the rate, and the ladder has a last one.
-        if !(1e-3..=32_768.0).contains(&rate) {
-            return Err(ConfigError::new("sample_rate_hz", rate, "Hz", "from 0.001 to 32768"));
-        }
-        let noise = settings.noise.checked()?;
+        ranges::check(settings)?;
+        let (rate, noise) = (settings.sample_rate_hz, settings.noise);
         let period = 1.0 / rate;
         let variance = noise.sample_variance(rate);
-        if !(1e-24..=1e24).contains(&variance) {
-            let density = noise.density_dps_sqrt_hz;
-            let range = "such that samples have a standard deviation of 1e-12 to 1e12";
-            return Err(ConfigError::new("noise.density_dps_sqrt_hz", density, "deg/s", range));
-        }
         let walk = noise.rate_random_walk_dps_sqrt_s;
-        let dwell = positive("dwell_time_s", settings.dwell_time_s, "s")? * rate;
-        let rest_dwell = positive("rest_dwell_time_s", settings.rest_dwell_time_s, "s")? * rate;
-        positive_or_infinite("derivative_cap", settings.derivative_cap, "")?;
-        let moment_limit = positive_or_infinite("moment_limit_hz", settings.moment_limit_hz, "Hz")?;
-        let bandwidth = positive_or_infinite("bandwidth_hz", settings.bandwidth_hz, "Hz")?;
-        let saturation = positive_or_infinite("saturation_dps", settings.saturation_dps, "deg/s")?;
-        let refresh = not_negative("refresh_s", settings.refresh_s, "s")?;
+        let (dwell, rest_dwell) = (settings.dwell_time_s * rate, settings.rest_dwell_time_s * rate);
+        let (saturation, refresh) = (settings.saturation_dps, settings.refresh_s);
         let outlier = settings.outlier_probability;
-        if !(0.0..0.5).contains(&outlier) {
-            return Err(ConfigError::new("outlier_probability", outlier, "", "from 0 to below 0.5"));
-        }
-        let (rung_count, rung_intensity, rung_counts_in) = rungs(settings, bandwidth, moment_limit, variance)?;
+        let (rung_count, rung_intensity, rung_counts_in) = rungs(settings, variance)?;
         let mut oscillator_intensity = [0.0; OSCILLATORS];
         let oscillator_count = settings.oscillator_count.min(OSCILLATORS);
         for (intensity, width) in oscillator_intensity.iter_mut().zip(settings.oscillators).take(oscillator_count) {
-            let width = positive("oscillators", width, "rad/s")? * period;
+            if width * period > WIDEST_OSCILLATOR {
+                let range = "at most 1e5 times sample_rate_hz, in";
+                return Err(ConfigError::new("oscillators", width, "rad/s", range));
+            }
+            let width = width * period;
             *intensity = 16.0 * variance * width * width * width * width;
         }
         let angle_max = 0.5 * core::f64::consts::PI;
@@ -166,7 +154,7 @@ impl<T: Real> MsImmIkf<T> {
             period_s: T::of(period),
             measurement_variance: T::of(variance),
             noise_share: T::of(NOISE_SHARE * variance * period),
-            limit: T::of(RANGE_SIGMAS * variance.root()),
+            limit: range(variance.root()),
             walk_variance: T::of(walk * walk * period),
             missing_acceleration: T::of(missing_acceleration),
             start_variance: [
@@ -180,8 +168,8 @@ impl<T: Real> MsImmIkf<T> {
             oscillator_intensity: oscillator_intensity.map(T::of),
             derivative_cap: T::of(settings.derivative_cap).least(T::LARGEST),
             memory: FrequencyMemory {
-                frequency_periods: T::of(positive("frequency_memory_s", settings.frequency_memory_s, "s")? * rate),
-                variance_periods: T::of(positive("variance_memory_s", settings.variance_memory_s, "s")? * rate),
+                frequency_periods: T::of(settings.frequency_memory_s * rate),
+                variance_periods: T::of(settings.variance_memory_s * rate),
                 angle_min: T::of(angle_min),
                 angle_max: T::of(angle_max),
                 rate_square_min: T::of(1e-8 * variance),
@@ -206,22 +194,25 @@ fn cube(x: f64) -> f64 {
 type Rungs = (usize, [f64; RUNGS], [f64; RUNGS]);
 
 /// Number of rungs in use, their process noise R (2 pi f T)^4, and whether each counts in the moments.
-fn rungs(settings: &MsImmIkfSettings, bandwidth: f64, limit: f64, variance: f64) -> Result<Rungs, ConfigError> {
+fn rungs(settings: &MsImmIkfSettings, variance: f64) -> Result<Rungs, ConfigError> {
     let given = settings.ladder_count.min(RUNGS);
     if given == 0 {
         return Err(ConfigError::new("ladder_hz", 0.0, "entries", "at least 1"));
     }
     let (mut intensity, mut counts_in, mut used) = ([0.0; RUNGS], [0.0; RUNGS], 0);
     for (k, &frequency) in settings.ladder_hz.iter().enumerate().take(given) {
-        positive("ladder_hz", frequency, "Hz")?;
+        if frequency > WIDEST_RUNG * settings.sample_rate_hz {
+            let range = "at most 1e4 times sample_rate_hz, in";
+            return Err(ConfigError::new("ladder_hz", frequency, "Hz", range));
+        }
         // The widest rung is the guard that passes everything: a bandwidth never drops it.
-        if frequency > bandwidth && k + 1 < given {
+        if frequency > settings.bandwidth_hz && k + 1 < given {
             continue;
         }
         let corner = core::f64::consts::TAU * frequency / settings.sample_rate_hz;
         if let (Some(q), Some(c)) = (intensity.get_mut(used), counts_in.get_mut(used)) {
             *q = variance * corner * corner * corner * corner;
-            *c = if frequency > limit { 0.0 } else { 1.0 };
+            *c = if frequency > settings.moment_limit_hz { 0.0 } else { 1.0 };
         }
         used += 1;
     }

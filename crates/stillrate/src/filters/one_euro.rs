@@ -4,13 +4,15 @@
 //! CHI 2012: f_c = f_min + beta |d|, d the derivative of the raw samples through a low-pass of its own (1 Hz);
 //! each low-pass has the gain a = x / (1 + x), x = 2 pi f_c dt.
 
-use crate::error::{ConfigError, not_negative, positive};
+use crate::error::ConfigError;
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::noise::{GyroNoise, RANGE};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit};
+use crate::sound;
 
 /// Settings of [`OneEuro`].
 #[derive(Clone, Debug, PartialEq)]
@@ -97,19 +99,20 @@ impl<T: Real> OneEuro<T> {
     /// Filter for samples at `sample_rate_hz`.
     ///
     /// # Errors
-    /// [`ConfigError`] unless both cut-offs are finite and above zero and beta is finite and not below.
+    /// [`ConfigError`] if one of them is out of its [range](crate::ranges).
     pub fn new(
         sample_rate_hz: f64,
         minimum_cutoff_hz: f64,
         beta: f64,
         derivative_cutoff_hz: f64,
     ) -> Result<Self, ConfigError> {
+        ranges::check(&OneEuroSettings { sample_rate_hz, minimum_cutoff_hz, beta, derivative_cutoff_hz })?;
         let turn = core::f64::consts::TAU;
         Ok(Self {
-            period_s: T::of(1.0 / positive("sample_rate_hz", sample_rate_hz, "Hz")?),
-            minimum_corner_rad_s: T::of(turn * positive("minimum_cutoff_hz", minimum_cutoff_hz, "Hz")?),
-            corner_per_speed: T::of(turn * not_negative("beta", beta, "")?),
-            derivative_corner_rad_s: T::of(turn * positive("derivative_cutoff_hz", derivative_cutoff_hz, "Hz")?),
+            period_s: T::of(1.0 / sample_rate_hz),
+            minimum_corner_rad_s: T::of(turn * minimum_cutoff_hz),
+            corner_per_speed: T::of(turn * beta),
+            derivative_corner_rad_s: T::of(turn * derivative_cutoff_hz),
             limit: T::of(RANGE),
         })
     }
@@ -128,6 +131,14 @@ impl<T: Real> Filter<T> for OneEuro<T> {
 
     fn start(&self) -> OneEuroState<T> {
         OneEuroState { level: T::ZERO, slope: T::ZERO, raw: T::ZERO, since: T::ZERO, started: T::ZERO }
+    }
+
+    fn accepts(&self, state: &OneEuroState<T>) -> bool {
+        sound::at_most(state.level, T::TWO * self.limit)
+            && sound::at_most(state.slope, T::TWO * self.limit * self.limit)
+            && sound::at_most(state.raw, self.limit)
+            && sound::within(state.since, T::ZERO, T::LARGEST.root())
+            && sound::flag(state.started)
     }
 
     fn period(&self) -> T {

@@ -3,15 +3,17 @@
 //! Backward Euler of y' = 2 pi f_c (z - y): with x = 2 pi f_c dt, the gain is a = x / (1 + x) and y <- y + a (z - y)
 //! (the form used by Betaflight and by most textbooks on sampled RC filters).
 
-use crate::error::{ConfigError, positive};
+use crate::error::ConfigError;
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::glide::{self, Glide};
 use crate::noise::{GyroNoise, RANGE};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::reals::Lane;
 use crate::settings::{Settings, Visit};
+use crate::sound;
 
 /// Settings of [`Pt1`].
 #[derive(Clone, Debug, PartialEq)]
@@ -79,10 +81,11 @@ impl<T: Real> Pt1<T> {
     /// Low-pass for samples at `sample_rate_hz` with -3 dB near `cutoff_hz`.
     ///
     /// # Errors
-    /// [`ConfigError`] if either is not finite and above zero.
+    /// [`ConfigError`] if either is out of its [range](crate::ranges).
     pub fn new(sample_rate_hz: f64, cutoff_hz: f64) -> Result<Self, ConfigError> {
-        let period = 1.0 / positive("sample_rate_hz", sample_rate_hz, "Hz")?;
-        let corner = core::f64::consts::TAU * positive("cutoff_hz", cutoff_hz, "Hz")?;
+        ranges::check(&Pt1Settings { sample_rate_hz, cutoff_hz })?;
+        let period = 1.0 / sample_rate_hz;
+        let corner = core::f64::consts::TAU * cutoff_hz;
         let x = T::of(corner) * T::of(period);
         Ok(Self { period_s: T::of(period), gain: x / (T::ONE + x), corner_rad_s: T::of(corner), limit: T::of(RANGE) })
     }
@@ -93,6 +96,10 @@ impl<T: Real> Filter<T> for Pt1<T> {
 
     fn start(&self) -> Pt1State<T> {
         Pt1State { level: T::ZERO, started: T::ZERO }
+    }
+
+    fn accepts(&self, state: &Pt1State<T>) -> bool {
+        sound::at_most(state.level, T::TWO * self.limit) && sound::flag(state.started)
     }
 
     fn period(&self) -> T {

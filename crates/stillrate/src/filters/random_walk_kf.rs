@@ -7,12 +7,13 @@
 //!
 //! Zero start-up delay: the first output is the first sample. The steady state lags by lambda/(1 - lambda) samples.
 
-use crate::error::{ConfigError, not_negative, positive};
+use crate::error::ConfigError;
 use crate::filter::Checked;
 use crate::filters::recursive::averaging::{Averaging, Forgotten, Sensor};
 use crate::filters::recursive::level::LevelState;
 use crate::noise::{GyroNoise, range};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
 
@@ -34,7 +35,7 @@ impl Settings for RandomWalkKfSettings {
 
     fn defaults(sample_rate_hz: f64, noise: GyroNoise) -> Self {
         let walk = noise.rate_random_walk_dps_sqrt_s / (noise.density_dps_sqrt_hz * sample_rate_hz);
-        Self { sample_rate_hz, noise, variance_ratio: walk * walk }
+        Self { sample_rate_hz, noise, variance_ratio: (walk * walk).least(1e12) }
     }
 
     fn visit<V: Visit>(&mut self, visitor: &mut V) {
@@ -44,11 +45,11 @@ impl Settings for RandomWalkKfSettings {
     }
 
     fn build<T: Real>(&self) -> Result<RandomWalkKf<T>, ConfigError> {
-        let rate = positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
-        let noise = self.noise.checked()?;
+        ranges::check(self)?;
+        let (rate, noise) = (self.sample_rate_hz, self.noise);
         Ok(RandomWalkKf {
             period_s: T::of(1.0 / rate),
-            variance_ratio: T::of(not_negative("variance_ratio", self.variance_ratio, "")?).least(T::LARGEST.root()),
+            variance_ratio: T::of(self.variance_ratio),
             sample_variance: T::of(noise.sample_variance(rate)),
             limit: range(noise.sample_variance(rate).root()),
         })

@@ -9,14 +9,17 @@
 //! The tuning is ours: the process noise is that of a rate of bandwidth `bandwidth_hz` under the noise density N,
 //! q = N^2 (2 pi f)^4, f = 2 Hz, R starts at N^2 / T, and b = exp(-T / 1 s).
 
-use crate::error::{ConfigError, positive};
+use crate::error::ConfigError;
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::gaussian::Gaussian2;
 use crate::models::SingerCoefficients;
 use crate::noise::{GyroNoise, range};
 use crate::plain;
+use crate::ranges::{self, LARGEST_SWING_DPS};
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
+use crate::sound;
 
 /// Settings of [`SageHusaKf`].
 #[derive(Clone, Debug, PartialEq)]
@@ -120,13 +123,19 @@ impl<T: Real> SageHusaKf<T> {
     /// Filter from its settings.
     ///
     /// # Errors
-    /// [`ConfigError`] unless sample rate, noise density, bandwidth, alpha and memory are finite and above zero.
+    /// [`ConfigError`] if a setting is out of its [range](crate::ranges), or the bandwidth more than alpha and the noise allow.
     pub fn new(settings: &SageHusaKfSettings) -> Result<Self, ConfigError> {
-        let period = 1.0 / positive("sample_rate_hz", settings.sample_rate_hz, "Hz")?;
-        let density = positive("noise.density_dps_sqrt_hz", settings.noise.density_dps_sqrt_hz, "deg/s/sqrt(Hz)")?;
-        let corner = core::f64::consts::TAU * positive("bandwidth_hz", settings.bandwidth_hz, "Hz")?;
-        let alpha = positive("alpha_per_s", settings.alpha_per_s, "1/s")?;
-        let memory = positive("memory_s", settings.memory_s, "s")?;
+        ranges::check(settings)?;
+        let (period, density) = (1.0 / settings.sample_rate_hz, settings.noise.density_dps_sqrt_hz);
+        let corner = core::f64::consts::TAU * settings.bandwidth_hz;
+        let (alpha, memory) = (settings.alpha_per_s, settings.memory_s);
+        let unit = density / period.root();
+        // What the motion model builds up to, as in `ranges`: in standard deviations of a sample and in deg/s.
+        let swing = corner * corner * (period / (2.0 * alpha)).root() / alpha;
+        if !(swing * unit.most(1.0) <= LARGEST_SWING_DPS) {
+            let range = "such that bandwidth_hz^2 / alpha_per_s^1.5 gives a motion of at most 1e9 deg/s and 1e9 sigma";
+            return Err(ConfigError::new("bandwidth_hz", settings.bandwidth_hz, "", range));
+        }
         Ok(Self {
             period_s: T::of(period),
             alpha_per_s: T::of(alpha),
@@ -134,8 +143,8 @@ impl<T: Real> SageHusaKf<T> {
             drive: T::of(period * corner * corner * corner * corner),
             forgotten: T::of(-(-period / memory).exponential_less_one()),
             memory_s: T::of(memory),
-            unit: T::of(density / period.root()),
-            limit: range(density / period.root()),
+            unit: T::of(unit),
+            limit: range(unit),
         })
     }
 }
@@ -153,6 +162,20 @@ impl<T: Real> Filter<T> for SageHusaKf<T> {
             measurement_variance: T::ONE,
             started: T::ZERO,
         }
+    }
+
+    fn accepts(&self, state: &SageHusaKfState<T>) -> bool {
+        let covariance = [state.p11, state.p12, state.p22];
+        let motion = Gaussian2 { mean: [state.rate, state.acceleration], covariance };
+        let change = T::of(LARGEST_CHANGE);
+        // A state that overflows later is renewed; its estimates, in deg/s, must not.
+        let largest = T::LARGEST * T::of(1e-6);
+        sound::gaussian2(&motion, T::ZERO)
+            && sound::at_most(state.rate * self.unit, largest)
+            && sound::at_most(state.acceleration * self.unit, largest)
+            && sound::variance(state.p11 * self.unit * self.unit)
+            && sound::within(state.measurement_variance, T::ONE / change, change)
+            && sound::flag(state.started)
     }
 
     fn period(&self) -> T {

@@ -4,18 +4,20 @@
 //! and 30 deg/s^2, sigma_m^2 = A_max^2 / 3, probability of staying .95 a sample.
 
 use crate::block;
-use crate::error::{ConfigError, positive};
+use crate::error::ConfigError;
 use crate::filter::{Checked, Estimate, Filter, Flags, LONGEST_GAP_S, ModelTrace, Observer, Sample};
 use crate::gaussian::Gaussian2;
 use crate::imm::{judged, mix2, normalised, prior2, shares};
 use crate::kalman::{Reading, mix_ahead, update2};
 use crate::models::SingerCoefficients;
-use crate::noise::{GyroNoise, RANGE_SIGMAS};
+use crate::noise::{GyroNoise, RANGE_SIGMAS, range};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::reals::{Lane, Lanes};
 use crate::settings::{Settings, Visit, visit_noise};
+use crate::sound;
 
 /// Settings of [`SingerImmKf`]: two of everything, rest first.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,22 +75,28 @@ impl Settings for SingerImmKfSettings {
     }
 
     fn build<T: Real>(&self) -> Result<SingerImmKf<T>, ConfigError> {
-        let period = 1.0 / positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
+        ranges::check(self)?;
+        let period = 1.0 / self.sample_rate_hz;
+        check_variances(&self.measurement_variance)?;
+        SingerFigures {
+            alpha_per_s: &self.alpha_per_s,
+            accel_max_dps2: &self.accel_max_dps2,
+            initial_variance: &self.initial_acceleration_variance,
+        }
+        .check()?;
         let mut model = [SingerImmModel::NONE; 2];
         let mut limit = 0.0_f64;
         for (i, model) in model.iter_mut().enumerate() {
-            let (alpha, intensity) = singer_model(self.alpha_per_s[i], self.accel_max_dps2[i])?;
-            let variance = positive("measurement_variance", self.measurement_variance[i], "(deg/s)^2")?;
-            let rate = positive("initial_rate_variance", self.initial_rate_variance[i], "(deg/s)^2")?;
-            let start = self.initial_acceleration_variance[i];
-            let start = positive("initial_acceleration_variance", start, "(deg/s^2)^2")?;
+            let (alpha, variance) = (self.alpha_per_s[i], self.measurement_variance[i]);
+            let (rate, start) = (self.initial_rate_variance[i], self.initial_acceleration_variance[i]);
+            let intensity = driving_density(alpha, self.accel_max_dps2[i]);
             *model = SingerImmModel {
                 alpha: T::of(alpha),
                 step: SingerCoefficients::new(T::of(alpha), T::of(period)).driven_by(T::of(intensity)),
                 measurement_variance: T::of(variance),
                 start_variance: [T::of(rate), T::of(start)],
             };
-            limit = limit.most(RANGE_SIGMAS * variance.root());
+            limit = limit.most(variance.root());
         }
         let transition = transition_matrix(&self.transition)?;
         let [start_probability, _] = probability_pair(&self.initial_probability)?;
@@ -97,7 +105,7 @@ impl Settings for SingerImmKfSettings {
             model,
             leave: [transition[0][1], transition[1][0]],
             start_probability,
-            limit: T::of(limit),
+            limit: range(limit.least(LARGEST_LEAP_DPS2 * period / RANGE_SIGMAS)),
         })
     }
 }
@@ -113,11 +121,43 @@ pub(crate) fn visit_pair<V: Visit>(visitor: &mut V, name: &'static str, values: 
     }
 }
 
-/// Checks one Singer model: alpha and the driving noise density 2 alpha A_max^2 / 3.
-pub(crate) fn singer_model(alpha_per_s: f64, accel_max_dps2: f64) -> Result<(f64, f64), ConfigError> {
-    let alpha = positive("alpha_per_s", alpha_per_s, "1/s")?;
-    let accel_max = positive("accel_max_dps2", accel_max_dps2, "deg/s^2")?;
-    Ok((alpha, 2.0 * alpha * (accel_max * accel_max / 3.0)))
+/// A reading this far away after one period is none: mixing squares the acceleration it means, and time stamps may lie closer still.
+const LARGEST_LEAP_DPS2: f64 = 1e14;
+
+/// Checks that both models speak of the same sensor.
+pub(crate) fn check_variances(pair: &[f64; 2]) -> Result<(), ConfigError> {
+    let range = "within a factor of 1e6 of that of the first model, in";
+    if pair[1].most(pair[0]) <= 1e6 * pair[0].least(pair[1]) {
+        Ok(())
+    } else {
+        Err(ConfigError::new("measurement_variance", pair[1], "(deg/s)^2", range))
+    }
+}
+
+/// What Singer models are made of, each figure in its range.
+pub(crate) struct SingerFigures<'a> {
+    pub(crate) alpha_per_s: &'a [f64],
+    pub(crate) accel_max_dps2: &'a [f64],
+    pub(crate) initial_variance: &'a [f64],
+}
+
+impl SingerFigures<'_> {
+    /// Checks the figures against each other; those of all models, because what one gathers another may carry on.
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        let slowest = self.alpha_per_s.iter().fold(f64::INFINITY, |least, &alpha| alpha.least(least));
+        for &accel_max in self.accel_max_dps2 {
+            ranges::check_swing("accel_max_dps2", accel_max, accel_max, slowest)?;
+        }
+        for &variance in self.initial_variance {
+            ranges::check_swing("initial_acceleration_variance", variance, variance.root(), slowest)?;
+        }
+        Ok(())
+    }
+}
+
+/// Density of the driving noise, 2 alpha A_max^2 / 3.
+pub(crate) fn driving_density(alpha_per_s: f64, accel_max_dps2: f64) -> f64 {
+    2.0 * alpha_per_s * (accel_max_dps2 * accel_max_dps2 / 3.0)
 }
 
 /// Checks a 2 x 2 transition matrix, row by row.
@@ -228,6 +268,17 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
             weight: [self.start_probability, T::ONE - self.start_probability],
             started: T::ZERO,
         }
+    }
+
+    fn accepts(&self, state: &Self::State) -> bool {
+        // What one model gathers the other may carry on.
+        let reach = sound::reach(self.model[0].alpha.least(self.model[1].alpha));
+        let [first, second] = state.weight;
+        state.model.iter().all(|model| sound::gaussian2(model, reach))
+            && [first, second].iter().all(|&weight| sound::within(weight, T::ZERO, T::ONE / T::TINY))
+            && first + second >= T::TINY
+            && sound::flag(state.started)
+            && sound::goes_on(self, state, self.limit)
     }
 
     fn period(&self) -> T {

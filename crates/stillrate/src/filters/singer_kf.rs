@@ -3,17 +3,19 @@
 //! R. A. Singer, IEEE Trans. AES-6 (1970): state (rate, acceleration), acceleration as a Gauss-Markov process of variance
 //! sigma_m^2 = A_max^2 / 3 (uniform up to the largest acceleration) and time constant 1 / alpha.
 
-use super::singer_imm_kf::singer_model;
-use crate::error::{ConfigError, positive};
+use super::singer_imm_kf::{SingerFigures, driving_density};
+use crate::error::ConfigError;
 use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 use crate::gaussian::Gaussian2;
 use crate::kalman::{Reading, predict_singer, update2};
 use crate::models::SingerCoefficients;
-use crate::noise::{GyroNoise, RANGE_SIGMAS};
+use crate::noise::{GyroNoise, range};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
+use crate::sound;
 
 /// Settings of [`SingerKf`].
 #[derive(Clone, Debug, PartialEq)]
@@ -62,11 +64,13 @@ impl Settings for SingerKfSettings {
     }
 
     fn build<T: Real>(&self) -> Result<SingerKf<T>, ConfigError> {
-        let period = 1.0 / positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
-        let variance = positive("measurement_variance", self.measurement_variance, "(deg/s)^2")?;
-        let rate = positive("initial_rate_variance", self.initial_rate_variance, "(deg/s)^2")?;
-        let start = positive("initial_acceleration_variance", self.initial_acceleration_variance, "(deg/s^2)^2")?;
-        let (alpha, intensity) = singer_model(self.alpha_per_s, self.accel_max_dps2)?;
+        ranges::check(self)?;
+        let period = 1.0 / self.sample_rate_hz;
+        let (variance, rate, start) =
+            (self.measurement_variance, self.initial_rate_variance, self.initial_acceleration_variance);
+        let (alpha, accel_max) = (self.alpha_per_s, self.accel_max_dps2);
+        SingerFigures { alpha_per_s: &[alpha], accel_max_dps2: &[accel_max], initial_variance: &[start] }.check()?;
+        let intensity = driving_density(alpha, accel_max);
         Ok(SingerKf {
             period_s: T::of(period),
             alpha: T::of(alpha),
@@ -74,7 +78,7 @@ impl Settings for SingerKfSettings {
             step: SingerCoefficients::new(T::of(alpha), T::of(period)),
             measurement_variance: T::of(variance),
             start_variance: [T::of(rate), T::of(start)],
-            limit: T::of(RANGE_SIGMAS * variance.root()),
+            limit: range(variance.root()),
         })
     }
 }
@@ -128,6 +132,12 @@ impl<T: Real> Filter<T> for SingerKf<T> {
             model: Gaussian2 { mean: [T::ZERO; 2], covariance: [rate, T::ZERO, acceleration] },
             started: T::ZERO,
         }
+    }
+
+    fn accepts(&self, state: &Self::State) -> bool {
+        sound::gaussian2(&state.model, sound::reach(self.alpha))
+            && sound::flag(state.started)
+            && sound::goes_on(self, state, self.limit)
     }
 
     fn period(&self) -> T {

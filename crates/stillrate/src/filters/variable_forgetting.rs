@@ -8,19 +8,21 @@
 //! The defaults were found by random search on simulated motion with white noise of known sigma; a sigma of half the true one
 //! doubles the noise that passes at rest, twice the true one adds 60 % error in motion.
 
-use crate::error::{ConfigError, between, not_negative, positive};
+use crate::error::ConfigError;
 use crate::filter::{Checked, Estimate, Observer, Sample};
 use crate::filters::hmm_rls::{RecursiveLeastSquaresState, check_order};
 use crate::filters::recursive::innovation::Innovation;
 use crate::filters::recursive::level::LevelState;
 use crate::filters::recursive::line::LineState;
-use crate::filters::recursive::memory::{check_factor, tau_of};
+use crate::filters::recursive::memory::tau_of;
 use crate::filters::recursive::paced::{Paced, step_paced};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
+use crate::ranges;
 use crate::real::Real;
 use crate::reals;
 use crate::settings::{Settings, Visit, visit_noise};
+use crate::sound;
 
 /// Settings of [`VariableForgetting`]. The defaults depend on the order; all but the first two are pure numbers.
 ///
@@ -99,17 +101,14 @@ impl Settings for VariableForgettingSettings {
     }
 
     fn build<T: Real>(&self) -> Result<VariableForgetting<T>, ConfigError> {
-        let rate = positive("sample_rate_hz", self.sample_rate_hz, "Hz")?;
-        let noise = self.noise.checked()?;
+        ranges::check(self)?;
+        let (rate, noise) = (self.sample_rate_hz, self.noise);
         let second = check_order(self.order)?;
-        let most = check_factor("forgetting_factor_max", self.forgetting_factor_max)?;
-        let least = check_factor("forgetting_factor_min", self.forgetting_factor_min)?;
+        let (least, most) = (self.forgetting_factor_min, self.forgetting_factor_max);
         if least > most {
             return Err(ConfigError::new("forgetting_factor_min", least, "", "at most forgetting_factor_max"));
         }
-        let smoothing = between("smoothing", self.smoothing, 0.0, 1.0 + f64::EPSILON, "", "above 0 and at most 1")?;
-        let threshold = not_negative("threshold", self.threshold, "")?;
-        let width = positive("width", self.width, "")?;
+        let (smoothing, threshold, width) = (self.smoothing, self.threshold, self.width);
         // The smoothed innovation of white noise is smaller by sqrt(beta/(2 - beta)).
         let spread = ((2.0 - smoothing) / smoothing).root();
         let variance = noise.sample_variance(rate);
@@ -264,6 +263,13 @@ impl<T: Real> Paced for VariableForgetting<T> {
         VariableForgettingState { sums, gain: T::ONE, smoothed: T::ZERO }
     }
 
+    fn admits(&self, state: &VariableForgettingState<T>) -> bool {
+        state.sums.mean.sound(self.limit)
+            && state.sums.line.sound(self.period_s)
+            && sound::within(state.gain, T::ZERO, T::of(1.001))
+            && sound::at_most(state.smoothed, T::of(1e6))
+    }
+
     fn nominal_s(&self) -> T {
         self.period_s
     }
@@ -302,6 +308,10 @@ impl<const SECOND: bool, T: Real> Paced for OfOrder<SECOND, T> {
 
     fn begin(&self) -> VariableForgettingState<T> {
         self.0.begin()
+    }
+
+    fn admits(&self, state: &VariableForgettingState<T>) -> bool {
+        self.0.admits(state)
     }
 
     fn nominal_s(&self) -> T {

@@ -9,11 +9,15 @@
 //! after 644 samples in `f32`, 1874 in `f64`. Price of forgetting one direction a sample: with input that excites n directions use
 //! lambda^n where the conventional filter has lambda. For one weight it is the filter of `hmm_rls` (steady P = 1 - lambda).
 
-use crate::error::{ConfigError, positive};
+use crate::error::ConfigError;
 use crate::filter::Flags;
-use crate::filters::recursive::memory::check_factor;
+use crate::ranges::{FORGETTING_FACTOR, Range};
 use crate::real::Real;
 use crate::reals::Reals;
+
+/// What a covariance may start at and grow to.
+const COVARIANCE: Range =
+    Range { low: 1e-12, high: 1e12, open: false, also: None, unit: "", words: "from 1e-12 to 1e12" };
 
 /// Squared length of phi below which a sample says nothing.
 const SMALLEST_EXCITATION: f64 = 1e-12;
@@ -178,11 +182,11 @@ impl<T: Real, const N: usize> VectorRls<T, N> {
     /// Checks the settings.
     ///
     /// # Errors
-    /// [`ConfigError`] for a forgetting factor outside (0, 1] or a covariance or cap that is not positive.
+    /// [`ConfigError`] for a setting outside its range.
     pub fn new(settings: VectorRlsSettings) -> Result<Self, ConfigError> {
-        let factor = check_factor("forgetting_factor", settings.forgetting_factor)?;
-        let initial = positive("initial_covariance", settings.initial_covariance, "")?;
-        let trace_max = positive("trace_max", settings.trace_max, "")?;
+        let factor = FORGETTING_FACTOR.check("forgetting_factor", settings.forgetting_factor)?;
+        let initial = COVARIANCE.check("initial_covariance", settings.initial_covariance)?;
+        let trace_max = COVARIANCE.check("trace_max", settings.trace_max)?;
         Ok(Self {
             forgetting: T::of((1.0 - factor) / factor),
             initial_covariance: T::of(initial),

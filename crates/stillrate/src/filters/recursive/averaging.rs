@@ -56,6 +56,10 @@ impl<T: Real, F: Averaging<Number = T>> Paced for F {
         LevelState::start()
     }
 
+    fn admits(&self, state: &LevelState<T>) -> bool {
+        state.sound(self.sensor().limit)
+    }
+
     fn nominal_s(&self) -> T {
         self.sensor().period_s
     }

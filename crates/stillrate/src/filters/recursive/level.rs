@@ -14,6 +14,7 @@
 use crate::filter::{Checked, Estimate, Flags, ModelTrace, Observer};
 use crate::real::Real;
 use crate::reals;
+use crate::sound;
 
 reals! {
     /// State of a weighted mean.
@@ -40,6 +41,15 @@ impl<T: Real> LevelState<T> {
         self.weight == T::ZERO
     }
 
+    /// Whether steps can have left this behind where readings are at most `limit`.
+    pub(crate) fn sound(&self, limit: T) -> bool {
+        let weight = self.weight == T::ZERO || sound::within(self.weight, T::TINY.root(), T::of(1e18));
+        sound::at_most(self.level, T::TWO * limit)
+            && weight
+            && sound::at_most(self.weight_low, self.weight.least(T::ONE))
+            && sound::within(self.noise_gain, T::ZERO, T::of(1.001))
+    }
+
     /// S <- (1 - loss) S, plus 1 where a sample is present; keeps the rounding error for the next time.
     #[inline(always)]
     pub(crate) fn weigh(&mut self, loss: T, present: bool) {
@@ -50,8 +60,9 @@ impl<T: Real> LevelState<T> {
         let low = (old - sum) + change;
         // In the steady state it dies away; what can no longer reach the weight (at least 1) is dropped, so that the pair comes to rest.
         self.weight_low = T::select(low.magnitude() < T::EPSILON * T::EPSILON, T::ZERO, low);
-        // After an endless gap almost nothing is left, but a filter that has seen data never becomes an empty one.
-        self.weight = T::select(old > T::ZERO, sum.most(T::TINY), sum);
+        // After an endless gap almost nothing is left, but a filter that has seen data never becomes an empty one. (The root: a
+        // variance over this weight is still a number.)
+        self.weight = T::select(old > T::ZERO, sum.most(T::TINY.root()), sum);
     }
 
     /// w <- w + (x - w) / S; without a sample nothing moves. Returns the gain that was used.

@@ -10,6 +10,7 @@
 use crate::filter::{Checked, Estimate, Flags, LONGEST_GAP_S};
 use crate::real::Real;
 use crate::reals;
+use crate::sound;
 
 reals! {
     /// State of a weighted line.
@@ -32,6 +33,8 @@ reals! {
 pub(crate) struct Gains<T> {
     pub(crate) level: T,
     pub(crate) slope: T,
+    /// Whether a present sample found a line; otherwise there is only a level.
+    line: bool,
 }
 
 /// What the time before a sample means.
@@ -63,6 +66,28 @@ impl<T: Real> LineState<T> {
         self.moments[0] == T::ZERO
     }
 
+    /// Whether steps can have left this behind.
+    pub(crate) fn sound(&self, period: T) -> bool {
+        let [s0, s1, s2] = self.moments;
+        let [u0, u1, u2] = self.squared;
+        let ages = |[weight, age, square]: [T; 3]| {
+            sound::variance(weight)
+                && sound::variance(square)
+                && sound::within(age, T::ZERO, T::LARGEST)
+                && sound::covariance(age, weight, square)
+        };
+        let longest = T::of(2.001) * T::of(LONGEST_GAP_S).most(T::of(3.0) * period);
+        let least = T::TINY.root();
+        let seen = s0 >= least && s0 <= T::of(1e18) && u0 >= T::TINY && u0 <= T::of(1.001) * s0.most(s0 * s0);
+        // What a line may be carried on to in a gap: its level is a number with as much room as that takes.
+        sound::at_most(self.level, T::LARGEST * T::of(1e-10))
+            && sound::at_most(self.slope, T::LARGEST.root())
+            && ages([s0, s1, s2])
+            && ages([u0, u1, u2])
+            && (seen || [s0, s1, s2, u0, u1, u2] == [T::ZERO; 6])
+            && sound::within(self.silent_s, T::ZERO, longest)
+    }
+
     /// Lets time pass: the periods to move on by, and whether the silence was so long that everything is forgotten.
     #[inline(always)]
     pub(crate) fn pass(&mut self, checked: &Checked<T>, period: T) -> Passage<T> {
@@ -86,10 +111,17 @@ impl<T: Real> LineState<T> {
     pub(crate) fn age(&mut self, u: T, keep: T) {
         let flushed = |sums: [T; 3]| sums.map(Real::flushed);
         let alive = self.moments[0] > T::ZERO;
-        self.moments = flushed(aged(self.moments, u, keep));
-        self.squared = flushed(aged(self.squared, u, keep * keep));
-        // The weight of a filter that has seen data never quite vanishes: see `empty`.
-        self.moments[0] = T::select(alive, self.moments[0].most(T::TINY), self.moments[0]);
+        let (moments, squared) = (aged(self.moments, u, keep), aged(self.squared, u, keep * keep));
+        // The weight of a filter that has seen data never quite vanishes (see `empty`), nor does its square: what is left of a line
+        // that is forgotten is a level as good as one sample.
+        let least = T::TINY.root();
+        let forgotten = alive && (moments[0] < least || squared[0] < T::TINY);
+        let left = |sums: [T; 3], weight: T| {
+            let [s0, s1, s2] = flushed(sums);
+            [T::select(forgotten, weight, s0), T::select(forgotten, T::ZERO, s1), T::select(forgotten, T::ZERO, s2)]
+        };
+        self.moments = left(moments, least);
+        self.squared = left(squared, T::TINY);
         self.level += u * self.slope;
     }
 
@@ -102,7 +134,8 @@ impl<T: Real> LineState<T> {
         let gains = self.gains(present);
         let innovation = value - self.level;
         self.level = (self.level + gains.level * innovation).flushed();
-        self.slope = (self.slope + gains.slope * innovation).flushed();
+        let slope = (self.slope + gains.slope * innovation).flushed();
+        self.slope = T::select(present && !gains.line, T::ZERO, slope);
         self.silent_s = T::select(present, T::ZERO, self.silent_s);
         gains
     }
@@ -113,23 +146,27 @@ impl<T: Real> LineState<T> {
         let [s0, s1, s2] = self.moments;
         let determinant = s0 * s2 - s1 * s1;
         // One sample, or all the others forgotten: no line, only a level.
-        let line = determinant > T::of(16.0) * T::EPSILON * s0 * s2;
+        let line = s0 > T::ONE && determinant > T::of(16.0) * T::EPSILON * s0 * s2;
         let level = T::select(line, s2 / determinant, T::ONE / s0);
         let slope = T::select(line, s1 / determinant, T::ZERO);
-        Gains { level: T::select(present, level, T::ZERO), slope: T::select(present, slope, T::ZERO) }
+        Gains { level: T::select(present, level, T::ZERO), slope: T::select(present, slope, T::ZERO), line }
     }
 
     /// Variance of the level over that of one sample, for a straight line in white noise.
     #[inline(always)]
     pub(crate) fn noise_gain(&self) -> T {
         let [s0, s1, s2] = self.moments;
-        let [u0, u1, u2] = self.squared;
-        let determinant = s0 * s2 - s1 * s1;
-        let line = determinant > T::of(16.0) * T::EPSILON * s0 * s2;
-        let (by_level, by_slope) = (s2 / determinant, s1 / determinant);
+        let inverse = T::ONE / T::select(self.empty(), T::ONE, s0);
+        // Mean age and mean square age: all sums over the weight, which may be next to nothing.
+        let (age, square) = (s1 * inverse, s2 * inverse);
+        let [u0, u1, u2] = self.squared.map(|sum| sum * inverse * inverse);
+        let spread = square - age * age;
+        let line = spread > T::of(16.0) * T::EPSILON * square;
+        let inverse_spread = T::ONE / T::select(line, spread, T::ONE);
+        let (by_level, by_slope) = (square * inverse_spread, age * inverse_spread);
         let fitted = by_level * by_level * u0 - T::TWO * by_level * by_slope * u1 + by_slope * by_slope * u2;
-        let mean = u0 / (s0 * s0);
-        T::select(self.empty(), T::ZERO, T::select(line, fitted, mean))
+        // As weights fall with age, a line is never surer of its end than the mean; rounding may say otherwise.
+        T::select(self.empty(), T::ZERO, T::select(line, fitted.most(u0), u0))
     }
 
     /// The estimate after a sample: the line is followed through a gap for one memory length, then held.

@@ -4,6 +4,7 @@
 
 use crate::error::ConfigError;
 use crate::filter::Checked;
+use crate::ranges::FORGETTING_FACTOR;
 use crate::real::Real;
 use crate::settings::Visit;
 
@@ -44,15 +45,6 @@ pub(crate) fn visit_memory<V: Visit>(visitor: &mut V, memory: Memory<'_>) {
     }
 }
 
-/// Passes a forgetting factor on if it is above 0 and at most 1.
-pub(crate) fn check_factor(field: &'static str, forgetting_factor: f64) -> Result<f64, ConfigError> {
-    if usable(forgetting_factor) {
-        Ok(forgetting_factor)
-    } else {
-        Err(ConfigError::new(field, forgetting_factor, "", "above 0 and at most 1"))
-    }
-}
-
 /// How fast a running filter forgets.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Forgetting<T> {
@@ -79,10 +71,7 @@ impl<T: Real> Forgetting<T> {
 
 /// Checks both against each other; gives lambda.
 pub(crate) fn check_memory(tau_s: f64, forgetting_factor: f64, sample_rate_hz: f64) -> Result<f64, ConfigError> {
-    if tau_s.is_nan() || tau_s <= 0.0 {
-        return Err(ConfigError::new("tau_s", tau_s, "s", "above 0"));
-    }
-    let factor = check_factor("forgetting_factor", forgetting_factor)?;
+    let factor = FORGETTING_FACTOR.check("forgetting_factor", forgetting_factor)?;
     // What remains after rounding either to nine digits.
     let disagreement = (factor_of(tau_s, sample_rate_hz) - factor).abs();
     if disagreement <= 1e-9 {

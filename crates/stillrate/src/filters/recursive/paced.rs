@@ -19,6 +19,9 @@ pub trait Paced: Copy + Send + Sync {
     /// [`Filter::start`].
     fn begin(&self) -> Self::State;
 
+    /// [`Filter::accepts`].
+    fn admits(&self, state: &Self::State) -> bool;
+
     /// [`Filter::period`].
     fn nominal_s(&self) -> Self::Number;
 
@@ -64,6 +67,10 @@ impl<F: Paced> Filter<F::Number> for F {
         self.begin()
     }
 
+    fn accepts(&self, state: &<F as Paced>::State) -> bool {
+        self.admits(state)
+    }
+
     fn period(&self) -> F::Number {
         self.nominal_s()
     }
@@ -92,6 +99,9 @@ impl<F: Paced> Filter<F::Number> for Nominal<F> {
     type State = <F as Paced>::State;
     fn start(&self) -> <F as Paced>::State {
         self.0.begin()
+    }
+    fn accepts(&self, state: &<F as Paced>::State) -> bool {
+        self.0.admits(state)
     }
     fn period(&self) -> F::Number {
         self.0.nominal_s()
