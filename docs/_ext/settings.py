@@ -9,7 +9,7 @@ from typing import Any
 
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
-from stillrate import GyroNoise, methods
+from stillrate import ConfigError, GyroNoise, methods
 from stillrate.config import Config
 
 RATE_HZ = 50.0
@@ -26,6 +26,8 @@ def words(cls: type[Config]) -> dict[str, str]:
     """Return what the class says of each setting, from the parameters of its docstring."""
     section = (cls.__doc__ or "").partition("Parameters\n    ----------\n")[2]
     found: dict[str, str] = {}
+    elsewhere = re.search(r"\n        As in `(\w+)`\.\n", section)
+    others = words(getattr(methods, elsewhere[1])) if elsewhere else {}
     names: list[str] = []
     for line in section.split("\n"):
         if re.match(r"^    \S", line):
@@ -33,7 +35,35 @@ def words(cls: type[Config]) -> dict[str, str]:
         elif line.strip():
             for name in names:
                 found[name] = f"{found.get(name, '')} {line.strip()}".strip()
-    return found
+    return {
+        name: others.get(name, text) if text.startswith("As in") else text
+        for name, text in found.items()
+    }
+
+
+def _given(cls: type[Config], name: str) -> str:
+    """Say whether a setting that all methods have is needed, and by which."""
+    if name == "sample_rate_hz":
+        return "must be given"
+    louder = GyroNoise(density_dps_sqrt_hz=2.0 * NOISE.density_dps_sqrt_hz)
+    one, other = (cls(sample_rate_hz=RATE_HZ, noise=noise) for noise in (NOISE, louder))
+    guessed = cls(sample_rate_hz=RATE_HZ).noise is not None
+    differs = one.replace(noise=None) != other.replace(noise=None)
+    return "should be given" if guessed or differs else "not used"
+
+
+def allowed(cls: type[Config], name: str, value: object) -> str:
+    """Return what a setting may be, in the words with which the class refuses anything else."""
+    wrong: Any = "?" if isinstance(value, str) else math.nan
+    if isinstance(value, tuple):
+        wrong = (math.nan,) * max(1, len(value))
+    try:
+        cls(**{"sample_rate_hz": RATE_HZ, "noise": NOISE, name: wrong})
+    except ConfigError as error:
+        found = re.search(r"\(must be (.+)\)$", str(error))
+        if found:
+            return found[1]
+    raise ValueError(f"{cls.__name__}.{name}: nothing is refused")
 
 
 def rows(cls: type[Config]) -> list[tuple[str, str, str]]:
@@ -43,12 +73,15 @@ def rows(cls: type[Config]) -> list[tuple[str, str, str]]:
     table = []
     for item in dataclasses.fields(cls):
         value = getattr(config, item.name)
-        shown = (
-            "must be given" if item.name in ("sample_rate_hz", "noise") else _shown(value)
-        )
+        shown = _shown(value)
+        if item.name in ("sample_rate_hz", "noise"):
+            shown = _given(cls, item.name)
         if item.name not in said:
             raise ValueError(f"{cls.__name__}.{item.name} has no words in the docstring")
-        table.append((item.name, shown, said[item.name]))
+        meaning = said[item.name]
+        if item.name != "noise":
+            meaning += f" Must be {allowed(cls, item.name, value)}."
+        table.append((item.name, shown, meaning))
     return table
 
 

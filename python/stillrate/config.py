@@ -30,7 +30,8 @@ class Config:
     sample_rate_hz : float
         Nominal sample rate in Hz.
     noise : GyroNoise, optional
-        The gyro's noise. Methods that do not use it ignore it.
+        The gyro's noise; default a density of 0.01 deg/s/sqrt(Hz), a guess that yours should replace. Methods that do
+        not use it ignore it.
 
     Raises
     ------
