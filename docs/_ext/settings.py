@@ -81,6 +81,10 @@ def rows(cls: type[Config]) -> list[tuple[str, str, str]]:
         meaning = said[item.name]
         if item.name != "noise":
             meaning += f" Must be {allowed(cls, item.name, value)}."
+        elif shown == "not used":
+            meaning = "The gyro's noise: this method does without."
+        else:
+            meaning = meaning.partition(" Methods that")[0]
         table.append((item.name, shown, meaning))
     return table
 
@@ -112,9 +116,9 @@ class Settings(SphinxDirective):
         for name, default, meaning in rows(getattr(methods, self.arguments[0])):
             parsed, _ = self.parse_inline(meaning.replace("``", "`"))
             paragraph = nodes.paragraph("", "", *parsed)
-            body += self._row(
-                [nodes.literal(text=name), nodes.literal(text=default), paragraph]
-            )
+            words = default.endswith("given") or default == "not used"
+            kind = nodes.emphasis if words else nodes.literal
+            body += self._row([nodes.literal(text=name), kind(text=default), paragraph])
         return [table]
 
     def _row(self, cells: list[nodes.Node]) -> nodes.row:

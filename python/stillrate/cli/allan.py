@@ -61,7 +61,7 @@ def command(
         table.add_column(title, justify="right")
     for name, curve in found.items():
         figures = [getattr(curve, figure) for figure in _FIGURES]
-        table.add_row(name, *(f"{figure.value:.3g}  [{figure.lower:.3g}, {figure.upper:.3g}]" for figure in figures))
+        table.add_row(name, *(f"{figure.value:.3g}\n[{figure.lower:.3g}, {figure.upper:.3g}]" for figure in figures))
     console = Console()
     console.print(table)
     for remark in log.timing.remarks():

@@ -72,8 +72,9 @@ where
     (rust.text, rust.depth) = (String::new(), 0);
     filter.outline(&mut rust);
     let version = env!("CARGO_PKG_VERSION");
-    let about =
-        format!("{} at {} Hz in {suffix}, exported by stillrate {version}.", S::METHOD, 1.0 / filter.period().widen());
+    // To the digits of a single: 1 / .001f is not quite 1000.
+    let rate_hz = (1.0 / filter.period().widen()) as f32;
+    let about = format!("{} at {rate_hz} Hz in {suffix}, exported by stillrate {version}.", S::METHOD);
     let config_h = format!(
         "/* {about} Generated; do not edit. */
 #ifndef STILLRATE_CONFIG_H
