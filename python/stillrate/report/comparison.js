@@ -13,7 +13,7 @@ const COLUMNS = [["method", "method"], ["rest", "rest ×"], ["lag", "lag ms"], [
 const FAMILIAR = ["ms-imm-ikf", "one-euro", "pt1"];
 
 const took = row => row.distortion !== null && row.distortion > TOOK;
-const colourOf = k => `--m${k % 10}`, dashOf = k => k < 10 ? [] : [5, 3];
+const colourOf = k => `--m${k % 12}`, dashOf = k => k < 12 ? [] : [5, 3];
 const fixed = (value, digits) => value === null ? "–" : value === "inf" ? "never" : value.toFixed(digits);
 
 const signed = v => { const text = v.toFixed(2); return Number(text) > 0 ? "+" + text : text.replace(/^-(0\.0+)$/, "$1"); };
