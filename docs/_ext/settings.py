@@ -19,7 +19,18 @@ NOISE = GyroNoise(density_dps_sqrt_hz=0.0151, rate_random_walk_dps_sqrt_s=0.0033
 def setup(app: Any) -> dict[str, bool]:
     """Register with Sphinx."""
     app.add_directive("settings", Settings)
+    app.connect("autodoc-process-signature", _signature)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
+
+
+def _signature(
+    app: Any, what: str, name: str, obj: object, *_: object
+) -> tuple[str, str] | None:
+    """Show the settings of a configuration: Sphinx would take them from ``__new__``, which takes any."""
+    if not (isinstance(obj, type) and issubclass(obj, Config)):
+        return None
+    found = [f"{item.name}=None" for item in dataclasses.fields(obj)]
+    return f"(*, sample_rate_hz, {', '.join(found[1:])})", ""
 
 
 def words(cls: type[Config]) -> dict[str, str]:

@@ -167,7 +167,7 @@ def nearest(name: str, known: Iterable[str], *, among: bool = False) -> str:
     import difflib
 
     names = sorted(known)
-    near = difflib.get_close_matches(name, names, n=1)
+    near = difflib.get_close_matches(name, names, n=1) or [other for other in names if name and other.startswith(name)]
     if near:
         return f": did you mean {near[0]!r}?"
     return f" (one of {', '.join(names)})" if among else ""

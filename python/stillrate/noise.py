@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +31,18 @@ class GyroNoise:
     rate_random_walk_dps_sqrt_s: float | None = None
     bias_sigma_dps: float | None = None
     bias_time_s: float | None = None
+
+    def __new__(cls, *arguments: Any, **figures: Any) -> Self:
+        """Refuse a figure that there is not before Python does, with the nearest name."""
+        if arguments or not figures.keys() <= cls.__dataclass_fields__.keys():
+            from stillrate.config import nearest
+            from stillrate.errors import ConfigError
+
+            if arguments:
+                raise ConfigError("GyroNoise takes its figures by name: density_dps_sqrt_hz, or see from_datasheet")
+            unknown = next(name for name in figures if name not in cls.__dataclass_fields__)
+            raise ConfigError(f"GyroNoise has no figure {unknown!r}{nearest(unknown, cls.__dataclass_fields__)}")
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         from stillrate.errors import ConfigError

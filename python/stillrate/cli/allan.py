@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
 
 from stillrate.cli.options import Force, ReadOptions, refuse_taken
 from stillrate.cli.problems import UsageError
@@ -22,7 +24,7 @@ _FIGURES = {
 
 
 def command(
-    source: Path,
+    source: Annotated[Path, Parameter(name="IN")],
     /,
     *,
     json: Path | None = None,
