@@ -189,6 +189,7 @@ def test_completion_offers_what_is_public_and_nothing_else():
     assert {"update", "run", "estimate", "save", "restore", "reset", "config"} <= set(dir(sr.Filter))
     for stub in (sr.Filter.run, sr.Filter.update):
         assert inspect.signature(stub).parameters
+    assert "density_dps_sqrt_hz" in inspect.signature(sr.GyroNoise).parameters
 
 
 @pytest.mark.parametrize(

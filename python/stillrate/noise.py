@@ -7,8 +7,24 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 
+class _ByName:
+    """What refuses a figure that there is not before Python does; a class of its own, so that help shows the figures."""
+
+    def __new__(cls, *arguments: Any, **figures: Any) -> Self:
+        known = [name for name in getattr(cls, "__dataclass_fields__", ()) if not name.startswith("_")]
+        if arguments or not figures.keys() <= set(known):
+            from stillrate.config import nearest
+            from stillrate.errors import ConfigError
+
+            if arguments:
+                raise ConfigError(f"{cls.__name__} takes its figures by name: {known[0]}, or see from_datasheet")
+            unknown = next(name for name in figures if name not in known)
+            raise ConfigError(f"{cls.__name__} has no figure {unknown!r}{nearest(unknown, known)}")
+        return super().__new__(cls)
+
+
 @dataclass(frozen=True, kw_only=True)
-class GyroNoise:
+class GyroNoise(_ByName):
     """White noise density and rate random walk of a gyro.
 
     Parameters
@@ -31,18 +47,6 @@ class GyroNoise:
     rate_random_walk_dps_sqrt_s: float | None = None
     bias_sigma_dps: float | None = None
     bias_time_s: float | None = None
-
-    def __new__(cls, *arguments: Any, **figures: Any) -> Self:
-        """Refuse a figure that there is not before Python does, with the nearest name."""
-        if arguments or not figures.keys() <= cls.__dataclass_fields__.keys():
-            from stillrate.config import nearest
-            from stillrate.errors import ConfigError
-
-            if arguments:
-                raise ConfigError("GyroNoise takes its figures by name: density_dps_sqrt_hz, or see from_datasheet")
-            unknown = next(name for name in figures if name not in cls.__dataclass_fields__)
-            raise ConfigError(f"GyroNoise has no figure {unknown!r}{nearest(unknown, cls.__dataclass_fields__)}")
-        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         from stillrate.errors import ConfigError
