@@ -114,6 +114,14 @@ def test_every_public_name_has_its_place_in_the_reference() -> None:
         assert re.search(asked, text, flags=re.M), name
 
 
+def test_the_table_of_formats_holds_every_ending() -> None:
+    from stillrate.io import readable, writable
+
+    rows = re.findall(r"^\| (`\..+?) \|.*\| (yes)? ?\|$", (ROOT / "docs/reference/logs.md").read_text(), flags=re.M)
+    told = {ending: bool(written) for cell, written in rows for ending in re.findall(r"`(\.\w+)`", cell)}
+    assert told == {ending: ending in writable() for ending in readable()}
+
+
 def _modules() -> list[str]:
     import pkgutil
 
