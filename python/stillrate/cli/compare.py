@@ -62,23 +62,19 @@ def command(
 
 
 def _table(name: str, log: Log, rows: list[Comparison]) -> Table:
-    from rich import box
-    from rich.table import Table
+    from stillrate.tables import plain_table
 
-    table = Table(
-        title=f"{name}: {len(log)} samples at {log.sample_rate_hz:.6g} Hz",
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
+    table = plain_table(
+        f"{name}: {len(log)} samples at {log.sample_rate_hz:.6g} Hz",
+        ("channel", "method", "rest\nx", "lag\nms", "distortion\nσ", "settling\ns", "cost\nns/sample"),
+        words=("channel", "method"),
         caption="Rest: scatter raw / filtered. Lag: against the raw record. Distortion: what was taken from the"
         " motion, over the sensor's noise; above 1 motion went with it, and then neither rest nor lag means much. Settling: simulated step of 40 deg/s."
         " Cost: on this machine, now. -: the log doesn't show it.",
-        caption_justify="left",
+        no_wrap=True,
         padding=(0, 0, 0, 1),
         pad_edge=False,
     )
-    for title in ("channel", "method", "rest\nx", "lag\nms", "distortion\nσ", "settling\ns", "cost\nns/sample"):
-        words = title in ("channel", "method")
-        table.add_column(title, justify="left" if words else "right", no_wrap=True)
     last = ""
     for row in rows:
         table.add_row(
