@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import math
 import re
 from typing import Any
@@ -26,11 +27,15 @@ def setup(app: Any) -> dict[str, bool]:
 def _signature(
     app: Any, what: str, name: str, obj: object, *_: object
 ) -> tuple[str, str] | None:
-    """Show the settings of a configuration: Sphinx would take them from ``__new__``, which takes any."""
-    if not (isinstance(obj, type) and issubclass(obj, Config)):
+    """Show what a class takes: Sphinx would ask ``__new__``, which takes any name so as to suggest the nearest."""
+    if not (isinstance(obj, type) and issubclass(obj, (Config, GyroNoise))):
         return None
-    found = [f"{item.name}=None" for item in dataclasses.fields(obj)]
-    return f"(*, sample_rate_hz, {', '.join(found[1:])})", ""
+    taken = list(inspect.signature(obj.__init__).parameters.values())[1:]
+    found = (
+        one.name if one.default is one.empty else f"{one.name}={one.default}"
+        for one in taken
+    )
+    return f"(*, {', '.join(found)})", ""
 
 
 def words(cls: type[Config]) -> dict[str, str]:

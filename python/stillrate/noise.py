@@ -34,8 +34,11 @@ class GyroNoise(_ByName):
         at rate f have the standard deviation ``N * sqrt(f)``.
     rate_random_walk_dps_sqrt_s : float, optional
         Rate random walk K in deg/s/sqrt(s); default a thousandth of the density.
-    bias_sigma_dps, bias_time_s : float, optional
-        A bias instability as a Gauss-Markov process; it is folded into the walk: K^2 grows by 2 sigma^2 / tau.
+    bias_sigma_dps : float, optional
+        Standard deviation in deg/s of a bias instability as a Gauss-Markov process; with `bias_time_s` it is folded into the
+        walk: K^2 grows by 2 sigma^2 / tau.
+    bias_time_s : float, optional
+        Its correlation time tau in s.
 
     Examples
     --------
@@ -91,11 +94,16 @@ class GyroNoise(_ByName):
         ----------
         angle_random_walk_deg_sqrt_h : float
             Angle random walk in deg/sqrt(h).
-        density_one_sided_dps_sqrt_hz, density_two_sided_dps_sqrt_hz : float
-            Noise density in deg/s/sqrt(Hz). MEMS datasheets nearly always mean one-sided.
-        standard_deviation_dps, lsb_dps : float
-            Standard deviation of samples at rest, or the resolution of a sensor with no other noise; both need
-            `sample_rate_hz`.
+        density_one_sided_dps_sqrt_hz : float
+            One-sided noise density in deg/s/sqrt(Hz), which MEMS datasheets nearly always mean.
+        density_two_sided_dps_sqrt_hz : float
+            Two-sided noise density in deg/s/sqrt(Hz), as everywhere in this library.
+        standard_deviation_dps : float
+            Standard deviation of samples at rest in deg/s; needs `sample_rate_hz`.
+        lsb_dps : float
+            Resolution in deg/s of a sensor with no other noise; needs `sample_rate_hz`.
+        sample_rate_hz : float
+            Sample rate in Hz that the two before are for.
         rate_random_walk_dps_sqrt_s, bias_sigma_dps, bias_time_s : float, optional
             As in the class.
 
