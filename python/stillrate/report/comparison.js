@@ -69,7 +69,7 @@ async function start() {
     gain.canvas.setAttribute("aria-label", gain.title.textContent);
     points.full = series.length ? [low - edge, high + 2.5 * edge] : [0, 1]; points.range = points.full.slice();
     gain.set(series);
-    $("gain").hidden = !series.length;
+    $("gain").hidden = $("prices").hidden = !series.length;
     $("outside").textContent = series.length ? (outside.length ? `Not in this figure, for want of a number: ${outside.join(", ")}.` : "")
       : "This log never rests: there is no gain to show. Lag, distortion, settling and cost stand in the table.";
     document.querySelectorAll("#prices button").forEach(b => b.setAttribute("aria-pressed", String(b.dataset.price === price)));
