@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 from pathlib import Path
@@ -58,6 +59,17 @@ def test_every_method_has_a_page_with_its_settings_and_its_picture() -> None:
             assert heading in text, f"{name}: {heading}"
 
 
+def test_the_costs_in_words_are_those_of_the_counted_instructions() -> None:
+    counts = json.loads((ROOT / "benches/instructions.json").read_text(encoding="utf-8"))["per_sample"]
+    one, many = ", f64 x 1", ", f32 x 16 avx2"
+    # Words such as "about four times": as far off as rounding them to whole numbers allows, and a little.
+    assert 3.4 < counts[f"one-euro{one}"] / counts[f"pt1{one}"] < 4.6
+    assert 5.4 < counts[f"one-euro{many}"] / counts[f"pt1{many}"] < 6.8
+    assert 80 < counts[f"variable-forgetting{one}"] < 125
+    assert 0.4 < counts[f"ms-imm-ikf, light{one}"] / counts[f"ms-imm-ikf{one}"] < 0.6
+    assert max(counts, key=lambda name: counts[name] if name.endswith(one) else 0.0) == f"ms-imm-ikf{one}"
+
+
 def _one(text: str) -> Block:
     return blocks(text)[0]
 
@@ -100,6 +112,14 @@ def test_every_public_name_has_its_place_in_the_reference() -> None:
     for name in set(sr.__all__) - {"__version__"}:
         asked = rf"auto(?:class|function|exception)::\s+{name}$|automodule:: stillrate\.{name}$"
         assert re.search(asked, text, flags=re.M), name
+
+
+def test_the_table_of_formats_holds_every_ending() -> None:
+    from stillrate.io import readable, writable
+
+    rows = re.findall(r"^\| (`\..+?) \|.*\| (yes)? ?\|$", (ROOT / "docs/reference/logs.md").read_text(), flags=re.M)
+    told = {ending: bool(written) for cell, written in rows for ending in re.findall(r"`(\.\w+)`", cell)}
+    assert told == {ending: ending in writable() for ending in readable()}
 
 
 def _modules() -> list[str]:

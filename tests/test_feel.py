@@ -189,6 +189,7 @@ def test_completion_offers_what_is_public_and_nothing_else():
     assert {"update", "run", "estimate", "save", "restore", "reset", "config"} <= set(dir(sr.Filter))
     for stub in (sr.Filter.run, sr.Filter.update):
         assert inspect.signature(stub).parameters
+    assert "density_dps_sqrt_hz" in inspect.signature(sr.GyroNoise).parameters
 
 
 @pytest.mark.parametrize(
@@ -199,6 +200,8 @@ def test_completion_offers_what_is_public_and_nothing_else():
         (lambda: sr.denoise([0.0] * 20, sample_rate_hz=50.0, method="ms-imm-kf", noise=NOISE), "'ms-imm-ikf'"),
         (lambda: sr.tune(sr.Log(t_s=np.arange(9.0), rate_dps=np.zeros(9), channels=("g",)), "onee-uro"), "'one-euro'"),
         (lambda: sr.denois, "did you mean 'denoise'"),
+        (lambda: sr.GyroNoise(density=0.01), "did you mean 'density_dps_sqrt_hz'"),
+        (lambda: sr.GyroNoise(0.01), "by name: density_dps_sqrt_hz"),
         (lambda: sr.MsImmIfk, "did you mean 'MsImmIkf'"),
     ],
 )

@@ -78,7 +78,7 @@ def test_a_still_recording_and_a_bag_as_typed_beside_them(tmp_path):
 
 @pytest.mark.long
 @pytest.mark.skipif(not SHARED.is_dir(), reason="shared recordings are not here")
-def test_every_pair_of_real_logs_in_every_output(tmp_path):
+def test_every_pair_of_real_logs_in_turning_outputs(tmp_path):
     files = sorted((SHARED / "formats").iterdir())
     stills = [*files, SHARED / "recordings/mpu6050_uncuyo_static449s.npz"]
     refused = []
@@ -88,4 +88,5 @@ def test_every_pair_of_real_logs_in_every_output(tmp_path):
             tuned_and_cleaned(tmp_path, still, moving, ending)
         except AssertionError as error:
             refused.append((still.name, moving.name, ending, str(error).splitlines()[:2]))
+    print(f"{len(stills) * len(files) - len(refused)} of {len(stills) * len(files)} pairs")
     assert not refused

@@ -10,7 +10,10 @@ import pytest
 import stillrate as sr
 from stillrate import attitude
 
-RECORDINGS = Path(__file__).resolve().parents[2] / "shared" / "data" / "recordings"
+RECORDINGS = next(
+    (p / "shared/data/recordings" for p in Path(__file__).resolve().parents if (p / "shared/data").is_dir()),
+    Path("absent"),
+)
 DEG_H = math.pi / 180 / 3600
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import math
 import re
 from typing import Any
 
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
-from stillrate import GyroNoise, _native, methods
+from stillrate import ConfigError, GyroNoise, methods
 from stillrate.config import Config
 
 RATE_HZ = 50.0
@@ -19,13 +20,30 @@ NOISE = GyroNoise(density_dps_sqrt_hz=0.0151, rate_random_walk_dps_sqrt_s=0.0033
 def setup(app: Any) -> dict[str, bool]:
     """Register with Sphinx."""
     app.add_directive("settings", Settings)
+    app.connect("autodoc-process-signature", _signature)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
+
+
+def _signature(
+    app: Any, what: str, name: str, obj: object, *_: object
+) -> tuple[str, str] | None:
+    """Show what a class takes: Sphinx would ask ``__new__``, which takes any name so as to suggest the nearest."""
+    if not (isinstance(obj, type) and issubclass(obj, (Config, GyroNoise))):
+        return None
+    taken = list(inspect.signature(obj.__init__).parameters.values())[1:]
+    found = (
+        one.name if one.default is one.empty else f"{one.name}={one.default}"
+        for one in taken
+    )
+    return f"(*, {', '.join(found)})", ""
 
 
 def words(cls: type[Config]) -> dict[str, str]:
     """Return what the class says of each setting, from the parameters of its docstring."""
     section = (cls.__doc__ or "").partition("Parameters\n    ----------\n")[2]
     found: dict[str, str] = {}
+    elsewhere = re.search(r"\n        As in `(\w+)`\.\n", section)
+    others = words(getattr(methods, elsewhere[1])) if elsewhere else {}
     names: list[str] = []
     for line in section.split("\n"):
         if re.match(r"^    \S", line):
@@ -33,32 +51,58 @@ def words(cls: type[Config]) -> dict[str, str]:
         elif line.strip():
             for name in names:
                 found[name] = f"{found.get(name, '')} {line.strip()}".strip()
-    return found
+    return {
+        name: others.get(name, text) if text.startswith("As in") else text
+        for name, text in found.items()
+    }
 
 
-def rows(cls: type[Config]) -> list[tuple[str, str, str, str]]:
-    """Return name, default, range and words of every setting of a method, the ones all share first."""
+def _given(cls: type[Config], name: str) -> str:
+    """Say whether a setting that all methods have is needed, and by which."""
+    if name == "sample_rate_hz":
+        return "must be given"
+    louder = GyroNoise(density_dps_sqrt_hz=2.0 * NOISE.density_dps_sqrt_hz)
+    one, other = (cls(sample_rate_hz=RATE_HZ, noise=noise) for noise in (NOISE, louder))
+    guessed = cls(sample_rate_hz=RATE_HZ).noise is not None
+    differs = one.replace(noise=None) != other.replace(noise=None)
+    return "should be given" if guessed or differs else "not used"
+
+
+def allowed(cls: type[Config], name: str, value: object) -> str:
+    """Return what a setting may be, in the words with which the class refuses anything else."""
+    wrong: Any = "?" if isinstance(value, str) else math.nan
+    if isinstance(value, tuple):
+        wrong = (math.nan,) * max(1, len(value))
+    try:
+        cls(**{"sample_rate_hz": RATE_HZ, "noise": NOISE, name: wrong})
+    except ConfigError as error:
+        found = re.search(r"\(must be (.+)\)$", str(error))
+        if found:
+            return found[1]
+    raise ValueError(f"{cls.__name__}.{name}: nothing is refused")
+
+
+def rows(cls: type[Config]) -> list[tuple[str, str, str]]:
+    """Return name, default and words of every setting of a method, the ones all share first."""
     config = cls(sample_rate_hz=RATE_HZ, noise=NOISE)
     said = {**words(Config), **words(cls)}
     table = []
     for item in dataclasses.fields(cls):
         value = getattr(config, item.name)
-        shown = (
-            "must be given" if item.name in ("sample_rate_hz", "noise") else _shown(value)
-        )
+        shown = _shown(value)
+        if item.name in ("sample_rate_hz", "noise"):
+            shown = _given(cls, item.name)
         if item.name not in said:
             raise ValueError(f"{cls.__name__}.{item.name} has no words in the docstring")
-        table.append((item.name, shown, allowed(cls, item.name), said[item.name]))
+        meaning = said[item.name]
+        if item.name != "noise":
+            meaning += f" Must be {allowed(cls, item.name, value)}."
+        elif shown == "not used":
+            meaning = "The gyro's noise: this method does without."
+        else:
+            meaning = meaning.partition(" Methods that")[0]
+        table.append((item.name, shown, meaning))
     return table
-
-
-def allowed(cls: type[Config], name: str) -> str:
-    """Return the range of a setting in words, from the table that checks it."""
-    found = _native.setting_range(cls.method, "noise.density_dps_sqrt_hz" if name == "noise" else name)
-    if found is None:
-        return ""
-    _, _, words, unit = found
-    return f"{words} {unit}".strip()
 
 
 def _shown(value: object) -> str:
@@ -76,21 +120,21 @@ class Settings(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Build the table."""
-        head = ("setting", f"default at {RATE_HZ:g} Hz", "range", "meaning")
+        head = ("setting", f"default at {RATE_HZ:g} Hz", "meaning")
         table = nodes.table(classes=["settings"])
         group = nodes.tgroup(cols=len(head))
         table += group
-        for width in (22, 15, 18, 45):
+        for width in (25, 20, 55):
             group += nodes.colspec(colwidth=width)
         group += nodes.thead("", self._row([nodes.Text(title) for title in head]))
         body = nodes.tbody()
         group += body
-        for name, default, bounds, meaning in rows(getattr(methods, self.arguments[0])):
+        for name, default, meaning in rows(getattr(methods, self.arguments[0])):
             parsed, _ = self.parse_inline(meaning.replace("``", "`"))
             paragraph = nodes.paragraph("", "", *parsed)
-            body += self._row(
-                [nodes.literal(text=name), nodes.literal(text=default), nodes.Text(bounds), paragraph]
-            )
+            words = default.endswith("given") or default == "not used"
+            kind = nodes.emphasis if words else nodes.literal
+            body += self._row([nodes.literal(text=name), kind(text=default), paragraph])
         return [table]
 
     def _row(self, cells: list[nodes.Node]) -> nodes.row:

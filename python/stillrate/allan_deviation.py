@@ -99,7 +99,8 @@ def allan(
     Notes
     -----
     IEEE Std 952-2020, annex C; intervals are chi-square with the equivalent degrees of freedom of the noise
-    found in the record.
+    found in the record. The figures are a fit of N^2 / tau + (2 ln 2 / pi) B^2 + K^2 tau / 3; where white noise hides the
+    flicker no record tells whether it goes on, which their intervals allow for.
 
     Examples
     --------

@@ -147,8 +147,12 @@ def reference_bias(
         Reference attitudes, body to north-east-down, as matrices or quaternions (scalar first).
     latitude_rad, longitude_rad : float or array_like, shape (m,)
         Where each fix was taken; Earth and transport rate follow exactly, also at the poles.
-    estimate_mounting, estimate_lag, estimate_scale : bool
-        Also estimate the rotation between reference body and sensor, the lag of the gyro, the scale factors.
+    estimate_mounting : bool
+        Also estimate the rotation between reference body and sensor.
+    estimate_lag : bool
+        Also estimate the lag of the gyro.
+    estimate_scale : bool
+        Also estimate the scale factors.
     method : {"exact", "small-angle", "small-angle-jacobian", "mean-rate"}
         Gauss-Newton over all fixes, or a classical shortcut over the first and the last.
     angle_random_walk_rad_sqrt_s : float
@@ -167,10 +171,18 @@ def reference_bias(
         Whether rounded matrices are projected onto the nearest rotation instead of refused.
     use_prior : bool
         Whether the priors count as data; otherwise they only say what is observable.
-    prior_bias_rad_s, prior_mounting_rad, prior_lag_s, prior_scale : float, optional
-        Standard deviations known before; default 200 deg/h, 1 deg, 10 ms, 1 %.
-    max_iterations, tolerance : int, float, optional
-        Default 20, and 1e-12 of the priors.
+    prior_bias_rad_s : float, optional
+        Standard deviation of the bias, known before; default 200 deg/h.
+    prior_mounting_rad : float, optional
+        Likewise of the mounting; default 1 deg.
+    prior_lag_s : float, optional
+        Likewise of the lag; default 10 ms.
+    prior_scale : float, optional
+        Likewise of the scale factors; default 1 %.
+    max_iterations : int, optional
+        Default 20.
+    tolerance : float, optional
+        Step at which the iteration has settled; default 1e-12 of the priors.
 
     Raises
     ------

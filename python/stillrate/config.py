@@ -30,7 +30,8 @@ class Config:
     sample_rate_hz : float
         Nominal sample rate in Hz.
     noise : GyroNoise, optional
-        The gyro's noise. Methods that do not use it ignore it.
+        The gyro's noise; default a density of 0.01 deg/s/sqrt(Hz), a guess that yours should replace. Methods that do
+        not use it ignore it.
 
     Raises
     ------
@@ -166,7 +167,7 @@ def nearest(name: str, known: Iterable[str], *, among: bool = False) -> str:
     import difflib
 
     names = sorted(known)
-    near = difflib.get_close_matches(name, names, n=1)
+    near = difflib.get_close_matches(name, names, n=1) or [other for other in names if name and other.startswith(name)]
     if near:
         return f": did you mean {near[0]!r}?"
     return f" (one of {', '.join(names)})" if among else ""

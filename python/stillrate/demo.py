@@ -165,6 +165,8 @@ def markdown(rows: list[Row]) -> str:
     lines = []
     for row in rows:
         name = f"**{row.name}**" if "default" in row.name else row.name
-        figures = (f"{row.static_dps:.4f}", f"{row.waves_dps:.4f}", f"{row.calm_dps:.4f}", f"{row.lag_ms:+.2f}")
+        # Adding zero takes the sign off a rounded one.
+        lag = f"{round(row.lag_ms, 2) + 0.0:+.2f}"
+        figures = (f"{row.static_dps:.4f}", f"{row.waves_dps:.4f}", f"{row.calm_dps:.4f}", lag)
         lines.append(f"| {name} | {' | '.join(figures)} |\n")
     return head + "".join(lines)

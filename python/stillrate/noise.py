@@ -4,11 +4,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
+
+
+class _ByName:
+    """What refuses a figure that there is not before Python does; a class of its own, so that help shows the figures."""
+
+    def __new__(cls, *arguments: Any, **figures: Any) -> Self:
+        known = [name for name in getattr(cls, "__dataclass_fields__", ()) if not name.startswith("_")]
+        if arguments or not figures.keys() <= set(known):
+            from stillrate.config import nearest
+            from stillrate.errors import ConfigError
+
+            if arguments:
+                raise ConfigError(f"{cls.__name__} takes its figures by name: {known[0]}, or see from_datasheet")
+            unknown = next(name for name in figures if name not in known)
+            raise ConfigError(f"{cls.__name__} has no figure {unknown!r}{nearest(unknown, known)}")
+        return super().__new__(cls)
 
 
 @dataclass(frozen=True, kw_only=True)
-class GyroNoise:
+class GyroNoise(_ByName):
     """White noise density and rate random walk of a gyro.
 
     Parameters
@@ -18,8 +34,11 @@ class GyroNoise:
         at rate f have the standard deviation ``N * sqrt(f)``.
     rate_random_walk_dps_sqrt_s : float, optional
         Rate random walk K in deg/s/sqrt(s); default a thousandth of the density.
-    bias_sigma_dps, bias_time_s : float, optional
-        A bias instability as a Gauss-Markov process; it is folded into the walk: K^2 grows by 2 sigma^2 / tau.
+    bias_sigma_dps : float, optional
+        Standard deviation in deg/s of a bias instability as a Gauss-Markov process; with `bias_time_s` it is folded into the
+        walk: K^2 grows by 2 sigma^2 / tau.
+    bias_time_s : float, optional
+        Its correlation time tau in s.
 
     Examples
     --------
@@ -80,11 +99,16 @@ class GyroNoise:
         ----------
         angle_random_walk_deg_sqrt_h : float
             Angle random walk in deg/sqrt(h).
-        density_one_sided_dps_sqrt_hz, density_two_sided_dps_sqrt_hz : float
-            Noise density in deg/s/sqrt(Hz). MEMS datasheets nearly always mean one-sided.
-        standard_deviation_dps, lsb_dps : float
-            Standard deviation of samples at rest, or the resolution of a sensor with no other noise; both need
-            `sample_rate_hz`.
+        density_one_sided_dps_sqrt_hz : float
+            One-sided noise density in deg/s/sqrt(Hz), which MEMS datasheets nearly always mean.
+        density_two_sided_dps_sqrt_hz : float
+            Two-sided noise density in deg/s/sqrt(Hz), as everywhere in this library.
+        standard_deviation_dps : float
+            Standard deviation of samples at rest in deg/s; needs `sample_rate_hz`.
+        lsb_dps : float
+            Resolution in deg/s of a sensor with no other noise; needs `sample_rate_hz`.
+        sample_rate_hz : float
+            Sample rate in Hz that the two before are for.
         rate_random_walk_dps_sqrt_s, bias_sigma_dps, bias_time_s : float, optional
             As in the class.
 

@@ -46,8 +46,8 @@ def build(chosen: str | None = None) -> App:
         help_format="plaintext",
     )
     for name, summary in COMMANDS.items():
-        words = None if name == chosen else summary
-        app.command(f"stillrate.cli.{name.replace('-', '_')}:command", name=name, help=words)
+        module = f"stillrate.cli.{name.replace('-', '_')}"
+        app.command(f"{module}:command", name=name, help=_told(module) if name == chosen else summary)
     if CALIBRATIONS:
         calibrate = App(name="calibrate", help="Calibrate a sensor, a sensor head or a platform.")
         for name, summary in CALIBRATIONS.items():
@@ -55,6 +55,15 @@ def build(chosen: str | None = None) -> App:
         app.command(calibrate)
     app.register_install_completion_command()
     return app
+
+
+def _told(module: str) -> str:
+    """Return what a command's docstring says before its parameters, a paragraph a line: the terminal breaks them."""
+    import inspect
+    from importlib import import_module
+
+    told = (inspect.getdoc(import_module(module).command) or "").partition("\nParameters\n---")[0]
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in told.split("\n\n") if paragraph.strip())
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

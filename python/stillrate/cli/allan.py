@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
 
 from stillrate.cli.options import Force, ReadOptions, refuse_taken
 from stillrate.cli.problems import UsageError
@@ -22,7 +24,7 @@ _FIGURES = {
 
 
 def command(
-    source: Path,
+    source: Annotated[Path, Parameter(name="IN")],
     /,
     *,
     json: Path | None = None,
@@ -58,7 +60,7 @@ def command(
     table = plain_table(title, ("channel", *_FIGURES.values()), words=("channel",))
     for name, curve in found.items():
         figures = [getattr(curve, figure) for figure in _FIGURES]
-        table.add_row(name, *(f"{figure.value:.3g}  [{figure.lower:.3g}, {figure.upper:.3g}]" for figure in figures))
+        table.add_row(name, *(f"{figure.value:.3g}\n[{figure.lower:.3g}, {figure.upper:.3g}]" for figure in figures))
     console = Console()
     console.print(table)
     for remark in log.timing.remarks():

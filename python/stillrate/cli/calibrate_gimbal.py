@@ -57,6 +57,12 @@ def command(
         Time for which a command is held; needed if the log has no time.
     sigma_m_s2
         Noise of one accelerometer sample; found from the log otherwise.
+    gravity_m_s2
+        Gravity at the place, in m/s^2.
+    latitude_deg
+        Latitude of the place: it turns the Earth rate that the gyros see.
+    angle_random_walk_deg_sqrt_h
+        Of the gyros, in deg/sqrt(h); 0 leaves it out of the model.
     gauge
         accelerometer, gyro or none.
     torquer

@@ -103,7 +103,7 @@ def _table(rows: list[Row], rate: float) -> Table:
             f"{row.static_dps:.4f}",
             f"{row.waves_dps:.4f}",
             f"{row.calm_dps:.4f}",
-            f"{row.lag_ms:+.2f}",
+            f"{round(row.lag_ms, 2) + 0.0:+.2f}",
             settling,
             style=bold,
         )

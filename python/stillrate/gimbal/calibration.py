@@ -20,6 +20,7 @@ class History:
     Attributes
     ----------
     time_s : ndarray, shape (m,)
+        Time since the start in s.
     coefficients, standard_deviation : ndarray, shape (m, n)
         In the order of `Calibration.names`.
     """
@@ -38,9 +39,11 @@ class Calibration:
     Attributes
     ----------
     names : tuple of str
+        The coefficients, in order.
     coefficients, standard_deviation : ndarray, shape (n,)
         SI; a standard deviation of 0 says that the coefficient was not estimated (held by the gauge).
     history : History
+        How the estimate grew.
     flags : dict
         Name of a coefficient, or "residuals", "diverged", "missing", ... -> what is wrong with it. Empty: nothing.
     bound : ndarray, shape (n,)

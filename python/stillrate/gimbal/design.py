@@ -119,6 +119,7 @@ class Plan:
     Attributes
     ----------
     segments_deg_s : ndarray, shape (segments, 3)
+        Rates about the platform axes, a row a segment.
     before, after : dict
         Worst bounds over a typical coefficient in per cent: drift, g_sensitive, kappa, mounting, accelerometer.
     """

@@ -68,14 +68,17 @@ def read(
     Parameters
     ----------
     path : str or Path
+        The file, or the folder of a ROS 2 bag; the ending says the format.
     rate_hz : float, optional
         Nominal sample rate in Hz; needed if the file has no time column.
     columns : sequence of str, optional
         The columns to take as rates; found by name when left out.
-    time, time_unit : str, optional
-        The time column and its unit ("s", "ms", "us", "ns").
+    time : str, optional
+        The time column; found by name when left out.
     unit : str, optional
         Unit of the rates ("deg/s", "rad/s", "mdps"), if their names do not say.
+    time_unit : str, optional
+        Unit of the time column ("s", "ms", "us", "ns"), if its name does not say.
 
     Returns
     -------

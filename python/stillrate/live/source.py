@@ -6,6 +6,7 @@ A source waits a fifth of a second at most, so that whoever reads it can look up
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
 import select
@@ -205,6 +206,8 @@ class SerialPort:
         try:
             self._port: Any = self._open()
         except (OSError, ValueError) as error:
+            if getattr(error, "errno", None) == errno.ENOENT:
+                raise LogError(f"{name}: there is no such port (`-` is stdin, udp://HOST:PORT is UDP)") from None
             raise LogError(f"{name}: cannot open the port ({error})") from None
 
     def _open(self) -> Any:

@@ -80,8 +80,8 @@ class Statistics:
     started_s: float = field(default_factory=time.monotonic)
     first_ns: int = 0
     last_ns: int = 0
-    _rate_samples: int = 0
-    _rate_span_s: float = 0.0
+    _rate_samples: int = field(default=0, init=False, repr=False)
+    _rate_span_s: float = field(default=0.0, init=False, repr=False)
 
     def arrived(self, at_ns: int, samples: int, *, connected: bool) -> None:
         """Count the arrival of a batch."""

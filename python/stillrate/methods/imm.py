@@ -23,10 +23,14 @@ class MsImmIkf(Config):
         light form, at half the cost.
     ladder_hz : sequence of float, optional
         Bandwidths of the Singer rungs in Hz; default 2, 8, 32, ... up to the first that reaches the sample rate.
-    dwell_time_s, rest_dwell_time_s : float, optional
-        Mean dwell time in a moving model and at rest, in s; default 20 and 100.
-    frequency_memory_s, variance_memory_s : float, optional
-        Memory of the manoeuvre frequency and of the prior variances, in s; default 5 and 1.
+    dwell_time_s : float, optional
+        Mean dwell time in a moving model in s; default 20.
+    rest_dwell_time_s : float, optional
+        Mean dwell time at rest in s; default 100.
+    frequency_memory_s : float, optional
+        Memory of the manoeuvre frequency in s; default 5.
+    variance_memory_s : float, optional
+        Memory of the mean square acceleration that sets the prior variances, in s; default 1.
     derivative_cap : float, optional
         Cap on the acceleration that oscillators take over from other models; default 4; ``inf`` for none.
     moment_limit_hz : float, optional
@@ -68,8 +72,10 @@ class SingerKf(Config):
         Largest acceleration in deg/s^2; default 30.
     measurement_variance : float, optional
         Variance of a sample in (deg/s)^2; default that of the noise at the sample rate.
-    initial_rate_variance, initial_acceleration_variance : float, optional
-        Variances before the first sample, in (deg/s)^2 and (deg/s^2)^2; default the same, and 100.
+    initial_rate_variance : float, optional
+        Variance of the rate before the first sample in (deg/s)^2; default that of a sample.
+    initial_acceleration_variance : float, optional
+        Variance of the acceleration before the first sample in (deg/s^2)^2; default 100.
     """
 
     method: ClassVar[str] = "singer-kf"
@@ -88,17 +94,20 @@ class SingerImmKf(Config):
 
     Parameters
     ----------
-    alpha_per_s, accel_max_dps2 : pair of float, optional
-        Reciprocal manoeuvre time constants in 1/s, default (.001, .01); largest accelerations in deg/s^2,
-        default (1.5, 30).
+    alpha_per_s : pair of float, optional
+        Reciprocal manoeuvre time constants in 1/s; default (.001, .01).
+    accel_max_dps2 : pair of float, optional
+        Largest accelerations in deg/s^2; default (1.5, 30).
     transition : four floats, optional
         Transition probabilities a sample, row by row; default (.95, .05, .05, .95).
     initial_probability : pair of float, optional
         Probabilities before the first sample; default (.5, .5).
     measurement_variance : pair of float, optional
         Variance of a sample in (deg/s)^2; default that of the noise at the sample rate.
-    initial_rate_variance, initial_acceleration_variance : pair of float, optional
-        Variances before the first sample, in (deg/s)^2 and (deg/s^2)^2; default the same, and (1, 100).
+    initial_rate_variance : pair of float, optional
+        Variances of the rate before the first sample in (deg/s)^2; default that of a sample.
+    initial_acceleration_variance : pair of float, optional
+        Variances of the acceleration before the first sample in (deg/s^2)^2; default (1, 100).
     """
 
     method: ClassVar[str] = "singer-imm-kf"
@@ -123,14 +132,16 @@ class MsImmIkfPaper(Config):
         ``"log-alpha"`` estimate alpha, or its logarithm, with the exact derivative.
     alpha_per_s, accel_max_dps2, transition, initial_probability, measurement_variance, initial_rate_variance, initial_acceleration_variance : optional
         As in `SingerImmKf`.
-    initial_alpha_variance, alpha_noise_density : pair of float, optional
-        Variance of the third state before the first sample, and density of its random walk.
+    initial_alpha_variance : pair of float, optional
+        Variance of the third state before the first sample.
+    alpha_noise_density : pair of float, optional
+        Density of the third state's random walk.
     alpha_mixing : {"private", "shared"}, optional
         Whether alpha is mixed like any state.
     jacobian : {"printed", "exact"}, optional
         Whether F holds the derivative by alpha; ``"exact"`` needs ``alpha_mixing="shared"``.
     fading : {"none", "absolute", "signed"}, optional
-        Whether the fading factor is max(1, abs(C)), as printed, or max(1, C).
+        Whether the fading factor is 1, max(1, abs(C)), as printed, or max(1, C).
     fading_source : {"measurement", "innovation", "windowed"}, optional
         What C compares with its expectation: the measurement (printed), the innovation, or its windowed square.
     fading_scale : float, optional
@@ -139,10 +150,12 @@ class MsImmIkfPaper(Config):
         What the fading factor multiplies.
     fading_gate : {"always", "while-moving", "second-model-while-moving"}, optional
         When it acts.
-    fading_memory, fading_softening : float, optional
-        Forgetting factor and softening of the windowed form; default .95 and 1.5.
+    fading_memory : float, optional
+        Forgetting factor of the windowed form; default .95.
+    fading_softening : float, optional
+        Factor on the measurement variance in the windowed form; default 1.5.
     static_stay_probability : float, optional
-        Probability of staying while rest is declared; 0 keeps `transition`.
+        Probability of staying while rest is declared; 0 keeps `transition`; default .9985 in the mode ``"paper"``, else 0.
     static_alpha_per_s : float, optional
         Rest is declared while the mean alpha does not exceed this, in 1/s; default .0055.
     """

@@ -75,7 +75,7 @@ class FirLowPass(Config):
     taps : sequence of float, optional
         Taps of your own, newest sample first; they replace window, length and cut-off.
     start : str, optional
-        Whether the first sample fills the register (default) or it starts with zeros; see the method's words.
+        ``"first-sample"`` (default) fills the register with the first sample, ``"zero"`` starts it with zeros.
     """
 
     method: ClassVar[str] = "fir"

@@ -202,16 +202,22 @@ class Setup:
     Parameters
     ----------
     plant : Plant
-    sample_rate_hz, dt_s, delay_s : float
-        Control rate, integration step, delay from gyro to voltage.
+    sample_rate_hz : float
+        Control rate in Hz.
+    dt_s : float
+        Integration step in s.
+    delay_s : float
+        Delay from gyro to voltage in s.
     noise : GyroNoise
         The gyro's noise; white samples of N sqrt(rate) are simulated, filters are told N and K.
     bias_dps : float
         Constant bias of the gyro.
     amplitude_deg, frequency_hz : float
         The base motion that residuals are measured in.
-    drive_range_deg, range_deg : float
-        Where the drive is at its end (flagged), and the base angle that is warned about.
+    drive_range_deg : float
+        Where the drive is at its end (flagged).
+    range_deg : float
+        Base angle from which there is a warning.
     """
 
     plant: Plant = field(default_factory=Plant.platform_30kg)

@@ -86,8 +86,12 @@ def run(
         What stands in the loop, first to last; default nothing.
     gyro : GyroErrors, optional
         Default: the setup's white noise and bias with `seed`.
-    start_deg, reference_deg, duration_s : float
-        Angle at the start (known to the controller), angle to hold, length.
+    start_deg : float
+        Angle at the start, known to the controller.
+    reference_deg : float
+        Angle to hold.
+    duration_s : float
+        Length of the run in s.
 
     Returns
     -------

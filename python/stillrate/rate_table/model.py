@@ -242,7 +242,8 @@ def fit(
 
     References
     ----------
-    Leave-one-rate-out and guards: section 6 of the project's specification of the rate-table error model.
+    M. Stone, "Cross-validatory choice and assessment of statistical predictions", J. R. Stat. Soc. B 36 (1974); what is
+    left out here is a rate, not a sample.
     """
     measured, true = as_floats(rate_dps, "rate_dps"), as_floats(true_dps, "true_dps")
     temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c")

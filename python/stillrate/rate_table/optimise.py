@@ -41,6 +41,7 @@ def minimise(
     objective : callable
         Takes an array of points, shape (n, dimensions), and returns n values; NaN counts as worst.
     lower, upper : sequence of float
+        Corners of the box.
     method : {"brent", "qpso", "de"}
         "brent" is for one dimension; "de" is `scipy.optimize.differential_evolution`.
     progress : callable, optional

@@ -38,10 +38,13 @@ class TunedNoise:
     noise : GyroNoise or None
         Noise figures, for the bank.
     objective : float
+        The objective's value at the result.
     evaluations : int
+        How many points were valued.
     moving : bool
         Whether something moved in the records.
     warnings : tuple of str
+        What makes the result doubtful, in words.
     """
 
     model: str

@@ -13,7 +13,7 @@ const COLUMNS = [["method", "method"], ["rest", "rest ×"], ["lag", "lag ms"], [
 const FAMILIAR = ["ms-imm-ikf", "one-euro", "pt1"];
 
 const took = row => row.distortion !== null && row.distortion > TOOK;
-const colourOf = k => `--m${k % 10}`, dashOf = k => k < 10 ? [] : [5, 3];
+const colourOf = k => `--m${k % 12}`, dashOf = k => k < 12 ? [] : [5, 3];
 const fixed = (value, digits) => value === null ? "–" : value === "inf" ? "never" : value.toFixed(digits);
 
 const signed = v => { const text = v.toFixed(2); return Number(text) > 0 ? "+" + text : text.replace(/^-(0\.0+)$/, "$1"); };
@@ -69,7 +69,7 @@ async function start() {
     gain.canvas.setAttribute("aria-label", gain.title.textContent);
     points.full = series.length ? [low - edge, high + 2.5 * edge] : [0, 1]; points.range = points.full.slice();
     gain.set(series);
-    $("gain").hidden = !series.length;
+    $("gain").hidden = $("prices").hidden = !series.length;
     $("outside").textContent = series.length ? (outside.length ? `Not in this figure, for want of a number: ${outside.join(", ")}.` : "")
       : "This log never rests: there is no gain to show. Lag, distortion, settling and cost stand in the table.";
     document.querySelectorAll("#prices button").forEach(b => b.setAttribute("aria-pressed", String(b.dataset.price === price)));

@@ -61,7 +61,7 @@ async function start() {
     const view = now.view, at = view && view.at;
     $("probability").hidden = !(view && view.models.length > 1);
     if (view && view.models.length > 1)
-      plots.probability.set(view.models.map((m, k) => ({ name: m.name, colour: `--m${k % 10}`, x: at, y: m.probability })));
+      plots.probability.set(view.models.map((m, k) => ({ name: m.name, colour: `--m${k % 12}`, x: at, y: m.probability })));
     const moving = view && view.frequency;
     $("frequency").hidden = !moving;
     if (moving) plots.frequency.set([{ name: "frequency", colour: "--clean", x: at, y: view.frequency }]);

@@ -162,7 +162,7 @@ class Plot {
 
   // Many samples a pixel: a stroke from the least to the greatest of each pixel column.
   extent(c, s, from, to) {
-    let column = -1, low = 0, high = 0;
+    let column = -1, low = 0, high = 0, before = 0;
     const [a, b] = this.group.range, k = this.width / (b - a), flush = () => {
       if (column < 0) return;
       const top = this.toY(high), bottom = this.toY(low);
@@ -170,12 +170,16 @@ class Plot {
     };
     for (let i = from; i < to; i++) {
       const v = this.value(s.y[i]);
-      if (v !== v) continue;
+      if (v !== v) { before = v; continue; }
       const p = ((s.x[i] - a) * k) | 0;
       if (p !== column) {
-        const last = column < 0 ? v : (high + low) / 2;
-        flush(); column = p; low = Math.min(v, last); high = Math.max(v, last);
+        const last = column < 0 ? v : (high + low) / 2, next = p === column + 1;
+        flush();
+        // On a logarithmic axis samples may be many in one place and pixels apart in another.
+        if (column >= 0 && !next && before === before) { c.moveTo(column + MARGIN.left + 0.5, this.toY(before)); c.lineTo(p + MARGIN.left + 0.5, this.toY(v)); }
+        column = p; low = next ? Math.min(v, last) : v; high = next ? Math.max(v, last) : v;
       } else { if (v < low) low = v; if (v > high) high = v; }
+      before = v;
     }
     flush(); c.stroke();
   }

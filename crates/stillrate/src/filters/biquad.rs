@@ -1,6 +1,6 @@
 //! Second-order low-pass ("biquad"): an analogue filter made digital by the bilinear transform with prewarping.
 //!
-//! H(s) = w_c^2 / (s^2 + w_c s / Q + w_c^2) with s -> (z - 1)/(z + 1) / tan(pi f_c T): the transfer function of the usual cookbook
+//! H(s) = w_c^2 / (s^2 + w_c s / Q + w_c^2) with s -> w_c (z - 1)/(z + 1) / tan(pi f_c T): the transfer function of the usual cookbook
 //! biquad; Q = 1/sqrt 2 makes it Butterworth. It is computed as two trapezoidal integrators in a loop (the state-variable form of
 //! the same transfer function) rather than in direct form II transposed: there a constant comes out as exactly that constant,
 //! where direct form in `f32` is off by 2e-4 for a cut-off at a 400th of the sample rate, and the states keep their

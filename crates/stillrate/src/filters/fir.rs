@@ -115,7 +115,7 @@ impl FirLowPassSettings {
         }
         let cutoff = ranges::CUTOFF_OR_NONE.check("cutoff_hz", self.cutoff_hz)?;
         if cutoff > 0.0 {
-            let range = "above 0 and below half the sample rate in (or 0 for the window alone)";
+            let range = "0 for the window alone, or below half the sample rate in";
             between("cutoff_hz", cutoff, 0.0, 0.5 * self.sample_rate_hz, "Hz", range)?;
         }
         let count = length as usize;

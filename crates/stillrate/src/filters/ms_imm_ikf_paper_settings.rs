@@ -60,7 +60,7 @@ pub struct MsImmIkfPaperSettings {
     pub fading_softening: f64,
     /// Probability of staying while rest is declared; 0 keeps `transition`; default .9985 in paper mode.
     pub static_stay_probability: f64,
-    /// alpha3: rest is declared while sum mu alpha <= alpha3, 1/s; default the mean of both alphas.
+    /// alpha3: rest is declared while sum mu alpha <= alpha3, 1/s; default .0055, the mean of both alphas' defaults.
     pub static_alpha_per_s: f64,
 }
 
