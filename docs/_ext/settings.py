@@ -54,7 +54,9 @@ def rows(cls: type[Config]) -> list[tuple[str, str, str, str]]:
 
 def allowed(cls: type[Config], name: str) -> str:
     """Return the range of a setting in words, from the table that checks it."""
-    found = _native.setting_range(cls.method, "noise.density_dps_sqrt_hz" if name == "noise" else name)
+    found = _native.setting_range(
+        cls.method, "noise.density_dps_sqrt_hz" if name == "noise" else name
+    )
     if found is None:
         return ""
     _, _, words, unit = found
@@ -89,7 +91,12 @@ class Settings(SphinxDirective):
             parsed, _ = self.parse_inline(meaning.replace("``", "`"))
             paragraph = nodes.paragraph("", "", *parsed)
             body += self._row(
-                [nodes.literal(text=name), nodes.literal(text=default), nodes.Text(bounds), paragraph]
+                [
+                    nodes.literal(text=name),
+                    nodes.literal(text=default),
+                    nodes.Text(bounds),
+                    paragraph,
+                ]
             )
         return [table]
 
