@@ -9,7 +9,8 @@ from __future__ import annotations
 import dataclasses
 import math
 import tomllib
-from collections.abc import Callable, Iterable
+import zlib
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -18,6 +19,8 @@ from stillrate import _native
 from stillrate.errors import ConfigError
 from stillrate.noise import GyroNoise
 
+# What to_toml writes; load_config reads no other.
+_FORMAT = 1
 _NOISE_FIELDS = ("noise.density_dps_sqrt_hz", "noise.rate_random_walk_dps_sqrt_s")
 
 
@@ -100,14 +103,17 @@ class Config:
     def to_toml(self, path: str | Path | None = None) -> str:
         """Write the configuration as TOML; with `path`, into a new file as well.
 
+        The text carries a checksum of its settings, so that a file that was cut off or damaged is not mistaken for one.
+
         Raises
         ------
         FileExistsError
             If the file exists.
         """
-        lines = [f'method = "{self.method}"']
+        settings = self.settings()
+        lines = [f'method = "{self.method}"', f"format = {_FORMAT}", f'checksum = "{_checksum(self.method, settings)}"']
         noise: list[str] = []
-        for name, value in self.settings().items():
+        for name, value in settings.items():
             if name.startswith("noise."):
                 noise.append(f"{name.removeprefix('noise.')} = {_toml(value)}")
             else:
@@ -117,6 +123,18 @@ class Config:
             with Path(path).open("x", encoding="utf-8") as file:
                 file.write(text)
         return text
+
+
+def _checksum(method: str, settings: Mapping[str, Any]) -> str:
+    """Return a checksum of a method and its settings, whatever their order and however a number is written."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, list):
+            return [plain(part) for part in value]
+        return float(value) if isinstance(value, (int, float)) else value
+
+    text = "\n".join([method, *(f"{name} = {plain(settings[name])!r}" for name in sorted(settings))])
+    return f"{zlib.crc32(text.encode()):08x}"
 
 
 def _toml(value: float | str | list[float]) -> str:
@@ -203,7 +221,8 @@ def load_config(path: str | Path) -> Config:
     Raises
     ------
     ConfigError
-        If the file is no TOML, larger than a megabyte, or a setting cannot be used.
+        If the file is no TOML, larger than a megabyte, of another format, or a setting cannot be used; or if it has a checksum and
+        the settings are not those it was written for. Who changes a setting by hand removes that line.
     OSError
         If the file cannot be read.
     """
@@ -218,4 +237,13 @@ def load_config(path: str | Path) -> Config:
     noise = table.pop("noise", {})
     if not isinstance(noise, dict) or not isinstance(method, str):
         raise ConfigError(f"{path}: method must be a word and noise a table")
-    return config_from_settings(method, {**table, **{f"noise.{name}": value for name, value in noise.items()}})
+    form, checksum = table.pop("format", _FORMAT), table.pop("checksum", None)
+    if form != _FORMAT:
+        raise ConfigError(f"{path}: settings of format {form!r}, this version reads format {_FORMAT}")
+    settings = {**table, **{f"noise.{name}": value for name, value in noise.items()}}
+    if checksum is not None and checksum != _checksum(method, settings):
+        raise ConfigError(
+            f"{path}: the settings are not those that were written (cut off, damaged or changed; if you changed them"
+            " yourself, remove the line that begins with checksum)"
+        )
+    return config_from_settings(method, settings)

@@ -54,6 +54,7 @@ class Tuned:
 
 _GENERAL = {
     "method": "The filter.",
+    "checksum": "Of the settings below. Remove this line when you change one by hand.",
     "sample_rate_hz": "Samples a second of the logs that these settings are for, in Hz.",
     "density_dps_sqrt_hz": "Two-sided density of the white noise (angle random walk), N in (deg/s)/sqrt(Hz).",
     "rate_random_walk_dps_sqrt_s": "Random walk of the rate, K in (deg/s)/sqrt(s).",

@@ -122,7 +122,7 @@ pub(crate) fn visit_pair<V: Visit>(visitor: &mut V, name: &'static str, values: 
 }
 
 /// A reading this far away after one period is none: mixing squares the acceleration it means, and time stamps may lie closer still.
-const LARGEST_LEAP_DPS2: f64 = 1e14;
+const LARGEST_LEAP_DPS2: f64 = 1e12;
 
 /// Checks that both models speak of the same sensor.
 pub(crate) fn check_variances(pair: &[f64; 2]) -> Result<(), ConfigError> {

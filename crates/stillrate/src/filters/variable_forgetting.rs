@@ -205,7 +205,9 @@ impl<T: Real> VariableForgetting<T> {
         let factor = if NOMINAL || checked.dt == self.period_s {
             nominal
         } else {
-            (nominal.logarithm() * (checked.dt / self.period_s)).exponential()
+            // An endless memory (0) over an endless gap must not become NaN.
+            let periods = (checked.dt / self.period_s).least(T::LARGEST.root());
+            (nominal.logarithm() * periods).exponential()
         };
         T::select(checked.moves, factor, T::ONE)
     }
