@@ -148,6 +148,13 @@ def method_class(name: str) -> type[Config]:
     ------
     ConfigError
         If there is no such method; the text says which name is nearest.
+
+    Examples
+    --------
+    >>> method_class("pt2")
+    Traceback (most recent call last):
+        ...
+    stillrate.errors.ConfigError: no method 'pt2': did you mean 'pt1'?
     """
     known = methods()
     if name not in known:
@@ -179,6 +186,11 @@ def config_from_settings(method: str, settings: dict[str, Any]) -> Config:
     ------
     ConfigError
         If the method or a setting is unknown, or a value is out of range.
+
+    Examples
+    --------
+    >>> config_from_settings("pt1", {"sample_rate_hz": 50.0, "cutoff_hz": 8.0}).cutoff_hz
+    8.0
     """
     cls = method_class(method)
     names = {item.name for item in dataclasses.fields(cls)}
@@ -205,6 +217,15 @@ def load_config(path: str | Path) -> Config:
         If the file is no TOML, larger than a megabyte, or a setting cannot be used.
     OSError
         If the file cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stillrate import Pt1
+    >>> path = Path(tempfile.mkdtemp()) / "filter.toml"
+    >>> _ = Pt1(sample_rate_hz=50.0, cutoff_hz=8.0).to_toml(path)
+    >>> load_config(path).cutoff_hz
+    8.0
     """
     path = Path(path)
     if path.stat().st_size > 1_000_000:

@@ -193,6 +193,13 @@ def plateaus(
     -------
     list of (first, end, rate_dps)
         First sample, one past the last, and the table's rate.
+
+    Examples
+    --------
+    >>> table = np.repeat([0.0, 2.0, -2.0], 500)
+    >>> rate = table + 0.01 * np.sin(np.arange(1500) * 2.4)
+    >>> [rate_dps for _, _, rate_dps in plateaus(rate, [-2.0, 0.0, 2.0], 100.0)]
+    [0.0, 2.0, -2.0]
     """
     found: list[tuple[int, int, float]] = refusals(
         _native.rate_table_plateaus, as_floats(rate_dps, "rate_dps"), list(table_rates_dps), sample_rate_hz
@@ -242,7 +249,7 @@ def fit(
 
     References
     ----------
-    Leave-one-rate-out and guards: section 6 of the project's specification of the rate-table error model.
+    Leave-one-rate-out is cross-validation by groups: Hastie, Tibshirani, Friedman, *The Elements of Statistical Learning*, section 7.10.
     """
     measured, true = as_floats(rate_dps, "rate_dps"), as_floats(true_dps, "true_dps")
     temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c")
