@@ -90,12 +90,12 @@ pub fn is_missing(field: &str) -> bool {
     field.is_empty() || ["nan", "na", "n/a", "null", "none", "-nan"].iter().any(|word| field.eq_ignore_ascii_case(word))
 }
 
-/// Splits a line into fields; quotes protect delimiters.
+/// Splits a line into fields; quotes that begin a field protect delimiters within it.
 ///
 /// # Example
 /// ```
 /// use stillrate_lab::logs::dialect::split;
-/// assert_eq!(split("a; \"b;c\"", b';'), ["a", "b;c"]);
+/// assert_eq!(split("a ;\"b;c\"", b';'), ["a", "b;c"]);
 /// assert_eq!(split("1   2", b' '), ["1", "2"]);
 /// ```
 #[must_use]

@@ -129,7 +129,7 @@ fn start<S: Settings>(
 /// let mut filter = build("pt1", &settings, 1, Precision::Double)?;
 /// filter.update(&mut [0.12], None);
 /// let again = restore(&filter.save())?;
-/// assert_eq!(again.estimate(0), filter.estimate(0));
+/// assert_eq!(again.estimate(0).rate, filter.estimate(0).rate);
 /// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
 /// ```
 pub fn restore(bytes: &[u8]) -> Result<Box<dyn Runner>, SettingsError> {
