@@ -1,5 +1,5 @@
 # Everything here works on a fresh machine with Python >= 3.11 (venv) and a Rust toolchain.
-.PHONY: demo test test-rust test-instructions test-python test-long test-proofs test-embedded fuzz bench docs test-docs package lint build clean
+.PHONY: demo test test-rust test-instructions test-python test-long test-proofs test-embedded coverage fuzz bench docs test-docs package lint build clean
 PY := .venv/bin/python
 STAMP := .venv/.installed
 
@@ -46,6 +46,10 @@ test-proofs:
 # Every filter on an emulated Cortex-M4F and M7; says so and passes where the tools cannot be had.
 test-embedded:
 	sh tests/embedded/run.sh
+
+# Lines and branches of the core that the tests of core and lab run; needs cargo-llvm-cov and LLVM's tools.
+coverage:
+	python3 tests/coverage.py
 
 # Every fuzz target with the address sanitizer, SECONDS each.
 SECONDS := 60

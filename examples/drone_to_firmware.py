@@ -39,6 +39,7 @@ def fly(seed: int) -> sr.Log:
 
 def main(folder: Path) -> dict[str, float]:
     """Tune on one flight, check on another, export; return the errors."""
+    folder.mkdir(parents=True, exist_ok=True)
     learn, check = fly(seed=1), fly(seed=2)
     sr.write(folder / "flight.csv", learn)
 

@@ -1,7 +1,7 @@
 """Packages as a stranger gets them: built, installed each into an environment of its own, and used there.
 
 ``python tests/install_check.py dist`` builds and checks all of it; ``make package`` runs that. Words behind the folder choose
-parts: build, wheel, oldest, sdist, crates. It downloads what the package depends on.
+parts: build, wheel, oldest, sdist, crates, rust. It downloads what the package depends on.
 """
 
 from __future__ import annotations
@@ -11,11 +11,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 import venv
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PARTS = ("build", "wheel", "oldest", "sdist", "crates")
+PARTS = ("build", "wheel", "oldest", "sdist", "crates", "rust")
 # The lower bounds of pyproject.toml, the oldest release of each that they admit.
 OLDEST = ("numpy==1.26.0", "cyclopts==4.2.0", "rich==13.6.0")
 # Tests that need nothing but the package, pytest and hypothesis.
@@ -87,7 +88,21 @@ def main(dist: Path, parts: tuple[str, ...]) -> None:
     if "crates" in parts:
         # The second is verified against the first as packaged, without a registry that has it.
         run("cargo", "package", "--quiet", "--allow-dirty", "-p", "stillrate", "-p", "stillrate-lab", cwd=ROOT)
+    if "rust" in parts:
+        oldest_rust()
     print("checked:", *parts)
+
+
+def oldest_rust() -> None:
+    """Check every crate with the oldest compiler that Cargo.toml admits, where rustup can fetch it."""
+    if shutil.which("rustup") is None:
+        print("skipped: the oldest Rust, without rustup to fetch it")
+        return
+    package = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]
+    version = f"{package['rust-version']}.0"
+    run("rustup", "toolchain", "install", "--no-self-update", "--profile", "minimal", version)
+    with tempfile.TemporaryDirectory() as target:
+        run("cargo", f"+{version}", "check", "--quiet", "--workspace", "--target-dir", target, cwd=ROOT)
 
 
 if __name__ == "__main__":

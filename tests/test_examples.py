@@ -23,6 +23,7 @@ def load(name: str) -> ModuleType:
 
 
 def test_a_drone_log_becomes_a_header_for_its_firmware(tmp_path: Path) -> None:
+    tmp_path = tmp_path / "not yet there"
     found = load("drone_to_firmware").main(tmp_path)
     assert found["ground"] < 0.1 and found["flight"] < 0.7 and found["hover"] < 0.3
     assert abs(found["lag_ms"]) < 0.2
@@ -51,7 +52,8 @@ def test_a_vessel_keeps_its_motion_and_shows_its_period() -> None:
 
 def test_a_fleet_goes_on_after_a_broken_log_and_a_second_run_does_nothing(tmp_path: Path) -> None:
     fleet = load("fleet")
-    first, second = fleet.main(tmp_path), fleet.main(tmp_path)
+    folder = tmp_path / "not yet there"
+    first, second = fleet.main(folder), fleet.main(folder)
     assert len(first["done"]) == 5 and first["broken"] == ["unit-5.csv"]
     assert second["done"] == [] and len(second["kept"]) == 5
 

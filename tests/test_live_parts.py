@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from stillrate.errors import LogError
 from stillrate.live import LineFormat
+from stillrate.live.batch import LONGEST_LINE, Splitter
 from stillrate.live.clock import Clock
-from stillrate.live.source import LONGEST_LINE, Splitter, open_source
+from stillrate.live.source import open_source
 from stillrate.live.statistics import Histogram, Statistics
 
 

@@ -10,6 +10,7 @@ import pytest
 import stillrate as sr
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stillrate import demo
 
 RAD = 180.0 / np.pi
 SHARED = next((p / "shared/data" for p in Path(__file__).parents if (p / "shared/data").is_dir()), Path("absent"))
@@ -277,3 +278,10 @@ def test_damaged_logger_files_are_refused_in_one_line(tmp_path, file, damage):
     with pytest.raises(sr.LogError) as caught:
         sr.read(path)
     assert "\n" not in str(caught.value)
+
+
+def test_a_folder_that_is_not_there_is_named_when_writing(tmp_path):
+    log = demo.wave_log(demo.runs())
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        sr.write(tmp_path / "nowhere" / "log.csv", log)
+    assert not (tmp_path / "nowhere").exists()

@@ -48,17 +48,34 @@ def log(matrix: Any) -> Array:
     ------
     ConfigError
         If the matrix is no rotation: not finite, not orthonormal to 1e-6, or a reflection.
+
+    Examples
+    --------
+    >>> log(exp([0.1, 0.2, 0.3])).round(12).tolist()
+    [0.1, 0.2, 0.3]
     """
     return _native.rotation_log(_matrix(matrix))
 
 
 def right_jacobian(rotation_vector: Any) -> Array:
-    """Return Jr(v): Exp(v + d) = Exp(v) Exp(Jr(v) d) to first order in d."""
+    """Return Jr(v): Exp(v + d) = Exp(v) Exp(Jr(v) d) to first order in d.
+
+    Examples
+    --------
+    >>> right_jacobian([0.0, 0.0, 0.0]).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
     return _native.right_jacobian(_vector(rotation_vector))
 
 
 def from_euler(roll_rad: float, pitch_rad: float, yaw_rad: float) -> Array:
-    """Return Rz(yaw) Ry(pitch) Rx(roll): C_b_n of a vehicle."""
+    """Return Rz(yaw) Ry(pitch) Rx(roll): C_b_n of a vehicle.
+
+    Examples
+    --------
+    >>> log(from_euler(0.0, 0.0, 0.5)).round(12).tolist()  # yaw is about "down"
+    [0.0, 0.0, 0.5]
+    """
     return _native.rotation_from_euler([float(roll_rad), float(pitch_rad), float(yaw_rad)])
 
 
@@ -69,6 +86,11 @@ def from_quaternion(wxyz: Any) -> Array:
     ------
     ConfigError
         If its length is not within 0.001 of 1.
+
+    Examples
+    --------
+    >>> from_quaternion([0.0, 0.0, 0.0, 1.0]).diagonal().tolist()  # half a turn about z
+    [-1.0, -1.0, 1.0]
     """
     return _native.rotation_from_quaternion(_vector(wxyz, 4))
 
@@ -80,22 +102,47 @@ def check(matrix: Any, *, project: bool = False) -> Array:
     ------
     ConfigError
         If the matrix is not finite, not orthonormal to 1e-6 (with `project`: 0.01), or a reflection.
+
+    Examples
+    --------
+    >>> rounded = [[0.94, -0.342, 0.0], [0.342, 0.94, 0.0], [0.0, 0.0, 1.0]]
+    >>> round(float(log(check(rounded, project=True))[2]), 4)
+    0.3489
     """
     return _native.rotation_check(_matrix(matrix), project)
 
 
 def position(latitude_rad: float, longitude_rad: float) -> Array:
-    """Return C_n_e: where north, east and down point in Earth-fixed axes; safe at the poles."""
+    """Return C_n_e: where north, east and down point in Earth-fixed axes; safe at the poles.
+
+    Examples
+    --------
+    >>> (position(0.0, 0.0) @ [0.0, 0.0, 1.0]).tolist()  # on the equator, down is towards the axis
+    [-1.0, 0.0, 0.0]
+    """
     return _native.position_matrix(float(latitude_rad), float(longitude_rad))
 
 
 def inertial(latitude_rad: float, longitude_rad: float, c_b_n: Any, elapsed_s: float = 0.0) -> Array:
-    """Return C_b_i: the attitude in Earth-fixed axes as they stood `elapsed_s` seconds ago, not turning since."""
+    """Return C_b_i: the attitude in Earth-fixed axes as they stood `elapsed_s` seconds ago, not turning since.
+
+    Examples
+    --------
+    >>> start, later = (inertial(0.9, 0.1, np.eye(3), elapsed_s=t) for t in (0.0, 10.0))
+    >>> round(float(np.linalg.norm(log(relative(start, later)))) / 10.0, 9)  # the rate of the Earth
+    7.2921e-05
+    """
     return _native.inertial_attitude(float(latitude_rad), float(longitude_rad), _matrix(c_b_n), float(elapsed_s))
 
 
 def relative(first: Any, second: Any) -> Array:
-    """Return first' second: the rotation from one attitude to another."""
+    """Return first' second: the rotation from one attitude to another.
+
+    Examples
+    --------
+    >>> log(relative(exp([0.0, 0.0, 0.1]), exp([0.0, 0.0, 0.3]))).round(12).tolist()
+    [0.0, 0.0, 0.2]
+    """
     return _native.relative_rotation(_matrix(first), _matrix(second))
 
 
@@ -117,6 +164,12 @@ def preintegrate(rate_rad_s: Any, dt_s: Any, bias_rad_s: Any = (0.0, 0.0, 0.0)) 
         From the body at the end to the body at the start.
     jacobian_s : ndarray, shape (3, 3)
         J in C(b + db) = C(b) Exp(-J db), in s.
+
+    Examples
+    --------
+    >>> rotation, jacobian_s = preintegrate([[0.0, 0.0, 0.1]] * 100, 0.01)
+    >>> log(rotation).round(12).tolist()
+    [0.0, 0.0, 0.1]
     """
     rates = np.asarray(rate_rad_s, dtype=np.float64)
     steps = np.broadcast_to(np.asarray(dt_s, dtype=np.float64), rates.shape[:1])

@@ -99,6 +99,14 @@ def settings_for(
     ------
     ConfigError
         If the method is unknown or the noise cannot be found.
+
+    Examples
+    --------
+    >>> from stillrate import demo
+    >>> log = demo.wave_log(demo.runs())
+    >>> configs, notes = settings_for(log, method="pt1")
+    >>> configs["gx_dps"].cutoff_hz
+    12.5
     """
     rate = log.sample_rate_hz
     if config is not None:
@@ -123,10 +131,7 @@ def noise_of(log: Log) -> tuple[dict[str, GyroNoise], list[str]]:
             noise[channel] = shared
             notes.append(f"{channel}: never at rest, the noise is that of the other channels")
             continue
-        noise[channel] = GyroNoise(
-            density_dps_sqrt_hz=figures.density_dps_sqrt_hz,
-            rate_random_walk_dps_sqrt_s=figures.rate_random_walk_dps_sqrt_s,
-        )
+        noise[channel] = figures.gyro
         if not figures.at_rest:
             notes.append(f"{channel}: its noise is an upper bound ({figures.reason})")
         elif figures.motion_dominated:
@@ -154,6 +159,14 @@ def clean(
         Keep probabilities and frequency for a picture.
     progress : callable, optional
         Is told how many samples were done since the last call.
+
+    Examples
+    --------
+    >>> from stillrate import demo
+    >>> log = demo.wave_log(demo.runs())
+    >>> done = clean(log, settings_for(log, method="pt1")[0])
+    >>> done.clean.rate_dps.shape == log.rate_dps.shape, done.counts
+    (True, {'gx_dps': {}})
     """
     if not len(log):
         raise LogError("no samples in it")

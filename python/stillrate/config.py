@@ -167,6 +167,13 @@ def method_class(name: str) -> type[Config]:
     ------
     ConfigError
         If there is no such method; the text says which name is nearest.
+
+    Examples
+    --------
+    >>> method_class("pt2")
+    Traceback (most recent call last):
+        ...
+    stillrate.errors.ConfigError: no method 'pt2': did you mean 'pt1'?
     """
     known = methods()
     if name not in known:
@@ -198,6 +205,11 @@ def config_from_settings(method: str, settings: dict[str, Any]) -> Config:
     ------
     ConfigError
         If the method or a setting is unknown, or a value is out of range.
+
+    Examples
+    --------
+    >>> config_from_settings("pt1", {"sample_rate_hz": 50.0, "cutoff_hz": 8.0}).cutoff_hz
+    8.0
     """
     cls = method_class(method)
     names = {item.name for item in dataclasses.fields(cls)}
@@ -225,6 +237,15 @@ def load_config(path: str | Path) -> Config:
         the settings are not those it was written for. Who changes a setting by hand removes that line.
     OSError
         If the file cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stillrate import Pt1
+    >>> path = Path(tempfile.mkdtemp()) / "filter.toml"
+    >>> _ = Pt1(sample_rate_hz=50.0, cutoff_hz=8.0).to_toml(path)
+    >>> load_config(path).cutoff_hz
+    8.0
     """
     path = Path(path)
     if path.stat().st_size > 1_000_000:

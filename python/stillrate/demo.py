@@ -69,13 +69,9 @@ class Runs:
     def calm(self) -> slice:
         """Samples of the calm that are scored."""
         calm = self.waves.calm or slice(0, 0)
-        waited = simulate_wait(self.waves)
+        # The bed itself waits 5 s.
+        waited = round((SETTLED_AFTER_S - 5.0) * self.waves.sample_rate_hz)
         return slice(calm.start + waited, calm.stop)
-
-
-def simulate_wait(bed: simulate.Bed) -> int:
-    """Return how many more samples to wait in the calm than the bed itself does (5 s)."""
-    return round((SETTLED_AFTER_S - 5.0) * bed.sample_rate_hz)
 
 
 def runs(sample_rate_hz: float = 50.0, seed: int = SEED) -> Runs:

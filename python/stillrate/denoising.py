@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from stillrate._native import Filter
 from stillrate.arrays import as_samples, like
-from stillrate.config import config_from_settings
+from stillrate.config import method_class
 from stillrate.noise import GyroNoise, noise_from_log
 
 
@@ -95,22 +95,14 @@ def denoise(
     array = as_samples(samples)
     columns = array[:, None] if array.ndim == 1 else array
     clean = np.empty_like(columns)
+    kind = method_class(method)
     figures = None if noise is not None else noise_from_log(columns, sample_rate_hz)
     for channel in range(columns.shape[1]):
         if figures is not None:
             found = figures[channel]
-            noise = GyroNoise(
-                density_dps_sqrt_hz=found.density_dps_sqrt_hz,
-                rate_random_walk_dps_sqrt_s=found.rate_random_walk_dps_sqrt_s,
-            )
+            noise = found.gyro
             if found.motion_dominated:
                 warnings.warn(f"channel {channel}: {found.reason}", MotionDominated, stacklevel=2)
-        assert noise is not None
-        settings = {
-            "sample_rate_hz": sample_rate_hz,
-            "noise.density_dps_sqrt_hz": noise.density_dps_sqrt_hz,
-            "noise.rate_random_walk_dps_sqrt_s": noise.rate_random_walk_dps_sqrt_s,
-        }
-        config = config_from_settings(method, settings)
+        config = kind(sample_rate_hz=sample_rate_hz, noise=noise)
         clean[:, channel] = Filter(config, dtype=str(array.dtype)).run(columns[:, channel], dt_s=dt_s)
     return like(samples, clean.reshape(array.shape))

@@ -190,6 +190,14 @@ class NoiseFromLog:
     reason: str
 
     @property
+    def gyro(self) -> GyroNoise:
+        """The two figures as a filter takes them."""
+        return GyroNoise(
+            density_dps_sqrt_hz=self.density_dps_sqrt_hz,
+            rate_random_walk_dps_sqrt_s=self.rate_random_walk_dps_sqrt_s,
+        )
+
+    @property
     def at_rest(self) -> bool:
         """Whether the figures come from a stretch at rest; otherwise they are an upper bound."""
         return not self.reason.startswith("motion dominates")

@@ -177,6 +177,12 @@ def bench_imu(
 
     Twelve error states: velocity (m/s) and attitude (rad) in north-east-down, gyro bias (rad/s), accelerometer bias
     (m/s^2).
+
+    Examples
+    --------
+    >>> A, H, names = bench_imu(latitude_rad=0.8)
+    >>> A.shape, H.shape, names[-1]
+    ((12, 12), (3, 12), 'baz')
     """
     euler = [float(roll_rad), float(pitch_rad), float(yaw_rad)]
     dynamics, measurement, names = _native.bench_imu_model(euler, float(latitude_rad), float(gravity_m_s2))

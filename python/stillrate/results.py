@@ -40,7 +40,15 @@ def _word(value: Any) -> str:
 
 
 class Flags(IntFlag):
-    """What happened to a sample."""
+    """What happened to a sample.
+
+    Examples
+    --------
+    >>> Flags(5)
+    <Flags.MISSING|BAD_TIME: 5>
+    >>> Flags.MISSING in Flags(5)
+    True
+    """
 
     NONE = 0
     MISSING = 1
@@ -72,6 +80,15 @@ class Estimate:
         Manoeuvre frequency; NaN for methods without one.
     flags : Flags
         What happened to the sample.
+
+    Examples
+    --------
+    >>> import stillrate as sr
+    >>> flt = sr.Filter(sr.Pt1(sample_rate_hz=50.0))
+    >>> flt.update(0.12)
+    0.12
+    >>> flt.estimate.rate, flt.estimate.flags
+    (0.12, <Flags.NONE: 0>)
     """
 
     rate: float
@@ -100,6 +117,13 @@ class Trace:
     innovation, innovation_variance, fading, alpha, model_rate : ndarray
         What each model did: measurement minus prediction (NaN when missing), its variance, the fading factor applied
         (1: none), the reciprocal of the manoeuvre time constant in 1/s, and the model's own rate.
+
+    Examples
+    --------
+    >>> import stillrate as sr
+    >>> trace = sr.Filter(sr.Pt1(sample_rate_hz=50.0)).run([0.1, float("nan"), 0.1], trace=True)
+    >>> trace.rate.tolist(), trace.flags.tolist()
+    ([0.1, 0.1, 0.1], [0, 1, 0])
     """
 
     rate: npt.NDArray[Any]

@@ -56,6 +56,12 @@ class GyroModel:
         Length of a gap in samples.
     bias_instability_dps : float
         Flicker noise B in deg/s; the Allan deviation has its floor at 0.664 B. With it there is no bound.
+
+    Examples
+    --------
+    >>> quantised = GyroModel(lsb_dps=0.0625)
+    >>> set(static(50.0, 1, noise=quantised).measured_dps % 0.0625)
+    {np.float64(0.0)}
     """
 
     density_dps_sqrt_hz: float = 0.1068 / math.sqrt(50.0)
@@ -154,27 +160,60 @@ def bed(
 
 
 def static(sample_rate_hz: float, seed: int, **options: Any) -> Bed:
-    """Simulate a gyro at rest; options as in `bed`."""
+    """Simulate a gyro at rest; options as in `bed`.
+
+    Examples
+    --------
+    >>> static(50.0, 1).measured_dps.shape
+    (3000,)
+    """
     return bed("static", sample_rate_hz, seed, **options)
 
 
 def waves(sample_rate_hz: float, seed: int, **options: Any) -> Bed:
-    """Simulate 2 Hz waves that calm down; options as in `bed`."""
+    """Simulate 2 Hz waves that calm down; options as in `bed`.
+
+    Examples
+    --------
+    >>> run = waves(50.0, 1)
+    >>> bool(abs(run.motion_dps[run.scored]).max() > 1), bool(abs(run.motion_dps[-50:]).max() < 0.1)
+    (True, True)
+    """
     return bed("waves", sample_rate_hz, seed, **options)
 
 
 def rough_waves(sample_rate_hz: float, seed: int, **options: Any) -> Bed:
-    """Simulate rough 2 Hz waves that calm down; options as in `bed`."""
+    """Simulate rough 2 Hz waves that calm down; options as in `bed`.
+
+    Examples
+    --------
+    >>> run = rough_waves(50.0, 1, duration_s=60.0, waves_end_s=30.0)
+    >>> len(run.t_s)
+    3000
+    """
     return bed("rough-waves", sample_rate_hz, seed, **options)
 
 
 def steps(sample_rate_hz: float, seed: int, **options: Any) -> Bed:
-    """Simulate steps and slews; options as in `bed`."""
+    """Simulate steps and slews; options as in `bed`.
+
+    Examples
+    --------
+    >>> run = steps(50.0, 1)
+    >>> float(run.motion_dps.min()), float(run.motion_dps.max())
+    (-10.0, 60.0)
+    """
     return bed("steps", sample_rate_hz, seed, **options)
 
 
 def chirp(sample_rate_hz: float, seed: int, **options: Any) -> Bed:
-    """Simulate a logarithmic chirp; options as in `bed`."""
+    """Simulate a logarithmic chirp; options as in `bed`.
+
+    Examples
+    --------
+    >>> chirp(50.0, 1, duration_s=10.0).t_s[-1].round(2)
+    np.float64(9.98)
+    """
     return bed("chirp", sample_rate_hz, seed, **options)
 
 

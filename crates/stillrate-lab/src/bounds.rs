@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn bounds_at_50_hz_are_those_found_by_an_independent_implementation() {
-        // Static, waves, calm, rough, rough calm: specification of the beds, one seed each; relative spread over seeds.
+        // Found once by other code on these beds, one seed each: the bound while scored and in the calm after, deg/s.
         let expected =
             [(BedKind::Static, 0.00657, 0.0), (BedKind::Waves, 0.0665, 0.0276), (BedKind::RoughWaves, 0.1036, 0.0420)];
         for (kind, scored, calm) in expected {

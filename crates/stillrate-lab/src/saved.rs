@@ -75,6 +75,17 @@ fn word(out: &mut Vec<u8>, text: &str) {
 ///
 /// # Errors
 /// A sentence that says why the bytes are refused.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::saved::{read, write};
+/// use stillrate_lab::settings_map::{SettingsMap, Value};
+/// let settings = SettingsMap::from([("cutoff_hz".to_string(), Value::Number(8.0))]);
+/// let mut bytes = write("pt1", &settings, 1, &[1.0_f64, 2.0]);
+/// assert_eq!(read(&bytes).unwrap().numbers, [1.0, 2.0]);
+/// bytes[20] ^= 1;
+/// assert!(read(&bytes).unwrap_err().contains("damaged"));
+/// ```
 pub fn read(bytes: &[u8]) -> Result<Saved, String> {
     if !bytes.starts_with(MAGIC) {
         return Err("not a saved filter (the first bytes are not STILLRAT)".into());

@@ -85,7 +85,7 @@ pub fn from_map<S: Settings>(map: &SettingsMap) -> Result<S, SettingsError> {
     for name in map.keys() {
         let common = name == "method" || name.starts_with("noise.");
         if !common && !reader.known.contains(&name.as_str()) {
-            let hint = nearest(name, &reader.known).map_or(String::new(), |near| format!(": did you mean '{near}'?"));
+            let hint = hint(name, &reader.known);
             return Err(SettingsError::Text(format!("{} has no setting '{name}'{hint}", S::METHOD)));
         }
     }
@@ -111,6 +111,16 @@ fn agree(tau_s: f64, forgetting_factor: f64, sample_rate_hz: f64) -> Result<(), 
 const DEFAULT_DENSITY: f64 = 0.01;
 
 /// Writes every setting of a method down by name; [`from_map`] reads it back unchanged.
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::Pt1Settings};
+/// use stillrate_lab::settings_map::{Value, from_map, to_map};
+/// let settings = Pt1Settings::defaults(1000.0, GyroNoise::from_density_two_sided(0.01));
+/// let map = to_map(&settings);
+/// assert_eq!(map["cutoff_hz"], Value::Number(20.0));
+/// assert_eq!(from_map::<Pt1Settings>(&map).unwrap(), settings);
+/// ```
 #[must_use]
 pub fn to_map<S: Settings>(settings: &S) -> SettingsMap {
     let mut writer = Writer(SettingsMap::new());
@@ -119,6 +129,13 @@ pub fn to_map<S: Settings>(settings: &S) -> SettingsMap {
 }
 
 /// The known name closest to a misspelt one, if any is close.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::settings_map::nearest;
+/// assert_eq!(nearest("cutof_hz", &["cutoff_hz", "quality"]), Some("cutoff_hz"));
+/// assert_eq!(nearest("cheese", &["cutoff_hz", "quality"]), None);
+/// ```
 #[must_use]
 pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     known
@@ -127,6 +144,11 @@ pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         .filter(|(distance, candidate)| *distance <= 2 + candidate.len() / 4)
         .min()
         .map(|(_, candidate)| candidate)
+}
+
+/// The nearest name as the end of an error message, if there is one.
+pub(crate) fn hint(name: &str, known: &[&str]) -> String {
+    nearest(name, known).map_or(String::new(), |near| format!(": did you mean '{near}'?"))
 }
 
 fn edit_distance(a: &str, b: &str) -> usize {
@@ -192,7 +214,7 @@ impl Visit for Reader<'_> {
             Some(Value::Word(given)) => match words.iter().position(|word| word == given) {
                 Some(index) => *chosen = index,
                 None => {
-                    let hint = nearest(given, words).map_or(String::new(), |near| format!(": did you mean '{near}'?"));
+                    let hint = hint(given, words);
                     self.refuse(format!("{name} = '{given}' (must be one of {}){hint}", words.join(", ")));
                 }
             },

@@ -68,6 +68,19 @@ pub(crate) fn store_wide<T: Real, S: Reals<Lane<T, W>>, const W: usize>(state: &
 }
 
 /// Filters rows of `W` channels in place with [`Filter::step`]; the default of [`Filter::tile`].
+///
+/// # Example
+/// ```
+/// use stillrate::{Filter, Reals, Sample, block::{step_rows, store}, filters::Pt1};
+/// let filter = Pt1::<f64>::new(50.0, 8.0)?;
+/// let mut lanes = [[0.0; 4]; 2]; // two numbers a state, four channels
+/// (0..4).for_each(|c| store(&filter.start(), &mut lanes, c));
+/// let mut tile = [[1.0, 2.0, 3.0, 4.0], [1.0, 2.0, 3.0, 5.0]];
+/// step_rows(&filter, &mut lanes, &mut tile, 0.02);
+/// assert_eq!(tile[0], [1.0, 2.0, 3.0, 4.0]);
+/// assert_eq!(tile[1][..3], [1.0, 2.0, 3.0]);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[inline(always)]
 pub fn step_rows<T: Real, F: Filter<T>, const W: usize>(filter: &F, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
     let count = <F::State as Reals<T>>::COUNT;

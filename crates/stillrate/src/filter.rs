@@ -113,6 +113,22 @@ pub struct ModelTrace<T> {
 }
 
 /// Watches a step from inside. `()` watches nothing and costs nothing.
+///
+/// # Example
+/// ```
+/// use stillrate::{Filter, GyroNoise, ModelTrace, Observer, Sample, Settings, filters::SingerImmKfSettings};
+/// struct Probabilities([f64; 2]);
+/// impl Observer<f64> for Probabilities {
+///     fn model(&mut self, index: usize, trace: ModelTrace<f64>) {
+///         self.0[index] = trace.probability;
+///     }
+/// }
+/// let filter = SingerImmKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build()?;
+/// let (mut state, mut seen) = (filter.start(), Probabilities([0.0; 2]));
+/// filter.observe(&mut state, Sample { value: 0.12, dt: 0.02 }, &mut seen);
+/// assert!((seen.0[0] + seen.0[1] - 1.0).abs() < 1e-15);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 pub trait Observer<T> {
     /// Called once a model and sample, in model order.
     #[inline(always)]

@@ -1,5 +1,6 @@
 //! Means and symmetric covariances of small states, the covariance as its packed upper triangle.
 
+use crate::real::Real;
 use crate::reals;
 
 reals! {
@@ -30,4 +31,21 @@ reals! {
         /// Covariance 00, 01, 02, 03, 11, 12, 13, 22, 23, 33.
         pub covariance: [T; 10],
     }
+}
+
+/// Upper triangle of a b', packed.
+#[inline(always)]
+pub(crate) fn outer<T: Real>(a: [T; 4], b: [T; 4]) -> [T; 10] {
+    [
+        a[0] * b[0],
+        a[0] * b[1],
+        a[0] * b[2],
+        a[0] * b[3],
+        a[1] * b[1],
+        a[1] * b[2],
+        a[1] * b[3],
+        a[2] * b[2],
+        a[2] * b[3],
+        a[3] * b[3],
+    ]
 }

@@ -7,9 +7,9 @@
 //! centred on the fused mean, so that the spread of the means does not cancel.
 //!
 //! Singer rungs and the random walk lack the higher derivatives: there they are zero with a given variance. For
-//! oscillator targets the acceleration of all other sources is capped (specification 4.3a).
+//! oscillator targets the acceleration of all other sources is capped (`derivative_cap` of the recommended bank).
 
-use crate::gaussian::{Gaussian2, Gaussian3, Gaussian4};
+use crate::gaussian::{Gaussian2, Gaussian3, Gaussian4, outer};
 use crate::real::Real;
 use crate::reals;
 
@@ -53,7 +53,7 @@ impl<T: Real> Sums2<T> {
     }
 
     /// Adds a source to `self`, and to `pulled` the same source with its acceleration pulled towards the fused one until its
-    /// second moment about that fits `cap` (4.3a). Pulling scales deviation and standard deviation alike, so that the pulled
+    /// second moment about that fits `cap`. Pulling scales deviation and standard deviation alike, so that the pulled
     /// source's terms are the plain ones times the shrinkage or its square.
     #[inline(always)]
     pub(crate) fn add_and_pull(&mut self, pulled: &mut Self, weight: T, source: &Gaussian2<T>, centre: [T; 4], cap: T) {
@@ -177,23 +177,6 @@ impl<T: Real> Sums4<T> {
         };
         (sum.weight, moments)
     }
-}
-
-/// Upper triangle of a b', packed.
-#[inline(always)]
-fn outer<T: Real>(a: [T; 4], b: [T; 4]) -> [T; 10] {
-    [
-        a[0] * b[0],
-        a[0] * b[1],
-        a[0] * b[2],
-        a[0] * b[3],
-        a[1] * b[1],
-        a[1] * b[2],
-        a[1] * b[3],
-        a[2] * b[2],
-        a[2] * b[3],
-        a[3] * b[3],
-    ]
 }
 
 /// Prior probabilities c_j = sum_i pi_ij mu_i of two models, and the weights pi_0j mu_0 / c_j of the first source.

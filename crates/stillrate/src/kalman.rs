@@ -30,7 +30,7 @@ pub(crate) struct Reading<T> {
     pub(crate) outlier_probability: T,
 }
 
-/// Outliers have this many times the variance of ordinary noise, in addition to it (specification 4.2).
+/// Outliers have this many times the variance of ordinary noise, in addition to it.
 const OUTLIER_VARIANCE: f64 = 1e4;
 
 /// -1/2 log2 e: a Gaussian's exponent as a power of two.

@@ -10,6 +10,17 @@ use crate::real::Real;
 /// Plain data that is a fixed number of items of type `T` in a fixed order.
 ///
 /// `T` is a number, or a [`Lane`] of numbers where many channels stand side by side.
+///
+/// # Example
+/// ```
+/// use stillrate::{Filter, Reals, filters::Pt1};
+/// let state = Pt1::<f32>::new(50.0, 8.0).unwrap().start();
+/// let mut numbers = Vec::new();
+/// state.scatter(&mut |number: f32| numbers.push(number));
+/// let mut next = numbers.iter().copied();
+/// let again = Reals::gather(&mut || next.next().unwrap());
+/// assert_eq!(state, again);
+/// ```
 pub trait Reals<T: Copy>: Copy {
     /// How many items there are.
     const COUNT: usize;

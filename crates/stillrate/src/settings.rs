@@ -10,6 +10,27 @@ use crate::noise::GyroNoise;
 use crate::real::Real;
 
 /// Receives the fields of a [`Settings`] value one by one, to read or to change them.
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::BiquadSettings, settings::Visit};
+/// #[derive(Default)]
+/// struct Names(Vec<&'static str>);
+/// impl Visit for Names {
+///     fn number(&mut self, name: &'static str, _: &mut f64) {
+///         self.0.push(name);
+///     }
+///     fn list(&mut self, name: &'static str, _: &mut [f64], _: &mut usize) {
+///         self.0.push(name);
+///     }
+///     fn choice(&mut self, name: &'static str, _: &'static [&'static str], _: &mut usize) {
+///         self.0.push(name);
+///     }
+/// }
+/// let mut names = Names::default();
+/// BiquadSettings::defaults(1000.0, GyroNoise::from_density_two_sided(0.01)).visit(&mut names);
+/// assert_eq!(names.0, ["sample_rate_hz", "cutoff_hz", "quality"]);
+/// ```
 pub trait Visit {
     /// A number.
     fn number(&mut self, name: &'static str, value: &mut f64);

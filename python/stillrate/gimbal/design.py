@@ -106,6 +106,12 @@ def trajectory(
     ----------
     segments_deg_s : array_like, shape (segments, 3), optional
         Rates about the platform axes.
+
+    Examples
+    --------
+    >>> command = trajectory()
+    >>> command.shape  # 900 s, held for 0.25 s each
+    (3600, 3)
     """
     segments = None if segments_deg_s is None else rows(segments_deg_s)
     found: Floats = _native.gimbal_trajectory(segments, segment_s, slew_deg_s2, dt_s, (head or Head()).settings())

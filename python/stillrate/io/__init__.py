@@ -45,12 +45,24 @@ _WRITABLE = ("delimited", "parquet", "npz")
 
 
 def readable() -> tuple[str, ...]:
-    """Return the endings of files that can be read."""
+    """Return the endings of files that can be read.
+
+    Examples
+    --------
+    >>> ".csv" in readable() and ".ulg" in readable()
+    True
+    """
     return tuple(_FORMATS)
 
 
 def writable() -> tuple[str, ...]:
-    """Return the endings of files that can be written."""
+    """Return the endings of files that can be written.
+
+    Examples
+    --------
+    >>> ".csv" in writable(), ".ulg" in writable()
+    (True, False)
+    """
     return tuple(suffix for suffix, name in _FORMATS.items() if name in _WRITABLE)
 
 
@@ -63,7 +75,7 @@ def read(
     unit: str | None = None,
     time_unit: str | None = None,
 ) -> Log:
-    """Read a log.
+    r"""Read a log.
 
     Parameters
     ----------
@@ -91,6 +103,15 @@ def read(
         If the file is of no known format, damaged, or has no rates; one sentence says where and what to do.
     OSError
         If the file cannot be opened.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp()) / "log.csv"
+    >>> _ = path.write_text("time_ms,gx_rad_s,note\n0,0.1,7\n20,0.2,8\n40,0.1,9\n")
+    >>> log = read(path)
+    >>> log.channels, log.sample_rate_hz, log.rate_dps.round(2)[:, 0].tolist()
+    (('gx_rad_s',), 50.0, [5.73, 11.46, 5.73])
     """
     path = Path(path)
     wishes = Wishes(rate_hz=rate_hz, columns=columns, time=time, unit=unit, time_unit=time_unit)
@@ -122,6 +143,15 @@ def write(path: str | Path, log: Log, *, force: bool = False) -> None:
         If the file exists and `force` is not set.
     LogError
         If the ending is of no format that can be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stillrate import demo
+    >>> path = Path(tempfile.mkdtemp()) / "log.csv"
+    >>> write(path, demo.wave_log(demo.runs()))
+    >>> path.read_text().splitlines()[0]
+    't_s,gx_dps,gx_true_dps'
     """
     path = Path(path)
     if _FORMATS.get(path.suffix.lower()) not in _WRITABLE:

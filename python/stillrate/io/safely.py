@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import os
 import secrets
@@ -54,8 +55,12 @@ def atomic(path: Path, *, force: bool) -> Iterator[Path]:
     ------
     FileExistsError
         If `path` exists and `force` is not set.
+    FileNotFoundError
+        If there is no such folder.
     """
     refuse_existing(path, force=force)
+    if not path.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path.parent))
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         yield temporary

@@ -4,10 +4,11 @@
 sink (`sink`); `statistics` counts and times, `view` and `viewer` show.
 """
 
+from stillrate.live.batch import Batch, Source
 from stillrate.live.lines import LineFormat
 from stillrate.live.loop import Loop, stop_on_signals
 from stillrate.live.sink import Sink, open_sink
-from stillrate.live.source import Batch, Source, open_source
+from stillrate.live.source import open_source
 from stillrate.live.statistics import Statistics
 
 __all__ = ["Batch", "LineFormat", "Loop", "Sink", "Source", "Statistics", "open_sink", "open_source", "stop_on_signals"]

@@ -15,10 +15,10 @@ from typing import Protocol
 from stillrate._native import Filter
 from stillrate.config import Config
 from stillrate.errors import LogError
+from stillrate.live.batch import Source
 from stillrate.live.clock import Clock
 from stillrate.live.lines import LineFormat, Row
 from stillrate.live.sink import Sink
-from stillrate.live.source import Source
 from stillrate.live.statistics import Statistics
 
 

@@ -43,6 +43,14 @@ class MsImmIkf(Config):
         Prior probability of an outlier, 0 (off, the default) to below 0.5.
     saturation_dps : float, optional
         Full scale of the sensor in deg/s: samples there count as one-sided bounds; default ``inf``.
+
+    Examples
+    --------
+    >>> from stillrate import GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> MsImmIkf(sample_rate_hz=50.0, noise=noise).ladder_hz
+    (2.0, 8.0, 32.0, 128.0)
+    >>> light = MsImmIkf(sample_rate_hz=50.0, noise=noise, oscillators=())
     """
 
     method: ClassVar[str] = "ms-imm-ikf"
@@ -76,6 +84,13 @@ class SingerKf(Config):
         Variance of the rate before the first sample in (deg/s)^2; default that of a sample.
     initial_acceleration_variance : float, optional
         Variance of the acceleration before the first sample in (deg/s^2)^2; default 100.
+
+    Examples
+    --------
+    >>> from stillrate import GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> SingerKf(sample_rate_hz=50.0, noise=noise).measurement_variance  # density squared times rate
+    0.01125
     """
 
     method: ClassVar[str] = "singer-kf"
@@ -108,6 +123,15 @@ class SingerImmKf(Config):
         Variances of the rate before the first sample in (deg/s)^2; default that of a sample.
     initial_acceleration_variance : pair of float, optional
         Variances of the acceleration before the first sample in (deg/s^2)^2; default (1, 100).
+
+    Examples
+    --------
+    >>> from stillrate import GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> SingerImmKf(sample_rate_hz=50.0, noise=noise).accel_max_dps2
+    (1.5, 30.0)
+    >>> SingerImmKf(sample_rate_hz=50.0, noise=noise, alpha_per_s=0.02).alpha_per_s  # one for both
+    (0.02, 0.02)
     """
 
     method: ClassVar[str] = "singer-imm-kf"
@@ -158,6 +182,13 @@ class MsImmIkfPaper(Config):
         Probability of staying while rest is declared; 0 keeps `transition`; default .9985 in the mode ``"paper"``, else 0.
     static_alpha_per_s : float, optional
         Rest is declared while the mean alpha does not exceed this, in 1/s; default .0055.
+
+    Examples
+    --------
+    >>> from stillrate import GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> MsImmIkfPaper(sample_rate_hz=50.0, noise=noise, mode="exact-jacobian").fading
+    'none'
     """
 
     method: ClassVar[str] = "ms-imm-ikf-paper"

@@ -17,6 +17,11 @@ class Pt1(Config):
     ----------
     cutoff_hz : float, optional
         Cut-off frequency in Hz; default 20 Hz, at most a quarter of the sample rate.
+
+    Examples
+    --------
+    >>> Pt1(sample_rate_hz=50.0).cutoff_hz
+    12.5
     """
 
     method: ClassVar[str] = "pt1"
@@ -33,6 +38,11 @@ class Biquad(Config):
         Cut-off frequency in Hz; default 20 Hz, at most a quarter of the sample rate.
     quality : float, optional
         Quality factor; default 1/sqrt(2) (Butterworth).
+
+    Examples
+    --------
+    >>> round(Biquad(sample_rate_hz=1000.0, cutoff_hz=30.0).quality, 4)
+    0.7071
     """
 
     method: ClassVar[str] = "biquad"
@@ -52,6 +62,12 @@ class OneEuro(Config):
         Cut-off gained per deg/s^2, in Hz; default 0.5 for a density of 0.0151 deg/s/sqrt(Hz), in inverse proportion.
     derivative_cutoff_hz : float, optional
         Cut-off for the derivative in Hz; default 1.
+
+    Examples
+    --------
+    >>> from stillrate import GyroNoise
+    >>> OneEuro(sample_rate_hz=50.0, noise=GyroNoise(density_dps_sqrt_hz=0.0151)).beta
+    0.5
     """
 
     method: ClassVar[str] = "one-euro"
@@ -76,6 +92,12 @@ class FirLowPass(Config):
         Taps of your own, newest sample first; they replace window, length and cut-off.
     start : str, optional
         ``"first-sample"`` (default) fills the register with the first sample, ``"zero"`` starts it with zeros.
+
+    Examples
+    --------
+    >>> from stillrate import Filter
+    >>> Filter(FirLowPass(sample_rate_hz=50.0, length=2)).run([1.0, 3.0, 5.0]).tolist()
+    [1.0, 2.0, 4.0]
     """
 
     method: ClassVar[str] = "fir"

@@ -23,6 +23,13 @@ class ArKf(Config):
         Variance of the driving noise in (deg/s)^2.
     measurement_variance_dps2 : float, optional
         Variance of the measurement noise in (deg/s)^2.
+
+    Examples
+    --------
+    >>> from stillrate import GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> ArKf(sample_rate_hz=50.0, noise=noise).coefficients
+    (0.0004,)
     """
 
     method: ClassVar[str] = "ar-kf"
@@ -43,6 +50,13 @@ class SageHusaKf(Config):
         Reciprocal of the manoeuvre time constant in 1/s; default 0.01.
     memory_s : float, optional
         Memory of the measurement variance in s; default 1.
+
+    Examples
+    --------
+    >>> from stillrate import GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> SageHusaKf(sample_rate_hz=4.0, noise=noise).bandwidth_hz
+    1.0
     """
 
     method: ClassVar[str] = "sage-husa-kf"
@@ -59,6 +73,13 @@ class LinearPrediction(Config):
     ----------
     step_size : float, optional
         Step size of the learning rule, above 0 and below 2; default 0.05.
+
+    Examples
+    --------
+    >>> from stillrate import Filter, GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> Filter(LinearPrediction(sample_rate_hz=50.0, noise=noise)).run([3.0, 3.0, 3.0]).tolist()
+    [3.0, 3.0, 3.0]
     """
 
     method: ClassVar[str] = "linear-prediction"
@@ -73,6 +94,13 @@ class RandomWalkKf(Config):
     ----------
     variance_ratio : float, optional
         Q/R: variance of the walk over one period over that of a sample; default from the noise (a gyro at rest).
+
+    Examples
+    --------
+    >>> from stillrate import Filter, GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> Filter(RandomWalkKf(sample_rate_hz=50.0, noise=noise, variance_ratio=0.0)).run([1.0, 2.0, 6.0]).tolist()
+    [1.0, 1.5, 3.0]
     """
 
     method: ClassVar[str] = "hmm-kf"
@@ -91,6 +119,14 @@ class RecursiveLeastSquares(Config):
         Memory in s: the weight of a sample falls to 1/e in this time; default 0.1.
     forgetting_factor : float, optional
         The same as a factor a sample, in (0, 1].
+
+    Examples
+    --------
+    >>> from stillrate import GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> config = RecursiveLeastSquares(sample_rate_hz=50.0, noise=noise, forgetting_factor=0.95)
+    >>> round(config.tau_s, 4)
+    0.3899
     """
 
     method: ClassVar[str] = "hmm-rls"
@@ -117,6 +153,14 @@ class VariableForgetting(Config):
         Standard deviations of the smoothed innovation where forgetting begins; default 3.2 (order 2: 2.8).
     width : float, optional
         Standard deviations from there to full motion; default 1.4 (order 2: 2.4).
+
+    Examples
+    --------
+    >>> from stillrate import Filter, GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> config = VariableForgetting(sample_rate_hz=50.0, noise=noise)
+    >>> Filter(config).run([0.0] * 100 + [5.0] * 3).round(1)[-3:].tolist()  # a sudden turn
+    [1.7, 4.2, 4.9]
     """
 
     method: ClassVar[str] = "variable-forgetting"
@@ -144,6 +188,14 @@ class CusumForgetting(Config):
         Sum at which a change is declared; default 4.75.
     samples_kept : float, optional
         Samples' worth of the past that survive a change; default 1.33.
+
+    Examples
+    --------
+    >>> from stillrate import Filter, GyroNoise
+    >>> noise = GyroNoise(density_dps_sqrt_hz=0.015)
+    >>> config = CusumForgetting(sample_rate_hz=50.0, noise=noise)
+    >>> Filter(config).run([0.0] * 100 + [5.0] * 3).round(1)[-3:].tolist()  # a sudden turn
+    [3.8, 4.7, 4.8]
     """
 
     method: ClassVar[str] = "cusum-forgetting"

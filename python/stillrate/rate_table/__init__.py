@@ -4,7 +4,8 @@
 1-10-1 network can be built with `Network` to see what it does; `ErrorModel.check` refuses it.
 """
 
-from stillrate.rate_table.model import ErrorModel, fit, fit_points, plateaus
+from stillrate.rate_table.fitting import fit, fit_points, plateaus
+from stillrate.rate_table.model import ErrorModel
 from stillrate.rate_table.network import Network, train
 from stillrate.rate_table.optimise import Minimum, minimise, qpso_trace, uniforms
 from stillrate.rate_table.parts import Calibration, Candidate, Score

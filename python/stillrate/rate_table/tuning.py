@@ -94,7 +94,13 @@ class Errors:
 
 
 def compare(estimate_dps: npt.ArrayLike, true_dps: npt.ArrayLike) -> Errors:
-    """Return the errors of an estimate, shape (n,), against the truth."""
+    """Return the errors of an estimate, shape (n,), against the truth.
+
+    Examples
+    --------
+    >>> compare([1.0, 3.0], [1.0, 1.0]).rmse == 2**0.5
+    True
+    """
     mse, mae = refusals(_native.compare_rates, as_floats(estimate_dps, "estimate_dps"), as_floats(true_dps, "true_dps"))
     return Errors(mae=mae, mse=mse, rmse=float(np.sqrt(mse)))
 

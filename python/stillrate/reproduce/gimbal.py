@@ -158,7 +158,7 @@ def reproduce(draws: int = 20, seed: int = 1001) -> Iterator[Table | str]:
         yield f"{claim.verdict}: {claim.quantity}. {ours}{claim.reason}"
     yield kappa_by_chance()
     rows = disturbances.study(min(draws, 6), seed + 1000)
-    yield table("disturbances (section 7)", disturbances.COLUMNS, [row.cells() for row in rows])
+    yield table("disturbances", disturbances.COLUMNS, [row.cells() for row in rows])
     yield from disturbances.remarks(rows)
 
 

@@ -2,7 +2,7 @@
 //!
 //! The true platform frame is a convention. Turning it by a rotation Q leaves every output as it was if all input axes are turned with it:
 //! I'_i -> Q I'_i, a_i -> Q a_i, R -> Q R. Q is chosen so that the instrument triad of the wanted gauge stands with its x axis on x and its y axis
-//! in the x-y plane; the mounting angles are read off the turned axes. Source: section 3 of the reconstruction (there to first order). The gyro's
+//! in the x-y plane; the mounting angles are read off the turned axes. The gyro's
 //! own roll about its input axis is not a coefficient; what is left of it after turning is of second order (angle times g-sensitive term).
 
 use nalgebra::{Matrix3, Vector3};

@@ -49,5 +49,5 @@ pub use residuals::{ResidualTests, Residuals};
 pub use score::{Score, score, settling_time};
 pub use settings::{Method, Settings};
 pub use simulate::{Disturbance, disturb, draw, outputs};
-pub use study::{Draw, Start, Study, median, run_draw, run_study};
+pub use study::{Draw, Start, Study, run_draw, run_study};
 pub use trajectory::{DEFAULT_SEGMENTS, Trajectory};

@@ -171,12 +171,3 @@ pub fn run_draw(study: &Study, seed: u64) -> Result<Draw, ConfigError> {
 pub fn run_study(study: &Study, seeds: &[u64]) -> Result<Vec<Draw>, ConfigError> {
     seeds.par_iter().map(|&seed| run_draw(study, seed)).collect()
 }
-
-/// Middle value; NaN counts as the largest.
-#[must_use]
-pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = values.into_iter().map(f64::abs).collect();
-    sorted.sort_by(f64::total_cmp);
-    let n = sorted.len();
-    if n == 0 { f64::NAN } else { 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]) }
-}

@@ -1,7 +1,7 @@
 //! Commands of a calibration run: segments of constant rates about the platform axes, reached at a limited slew.
 //!
 //! The command is the tumbling rate plus the Earth rate in the commanded frame, so that an error-free platform tumbles exactly as told;
-//! it is held over each interval. The default table is that of the spec, section 4 (12 segments of 75 s, 1 deg/s, 0.5 deg/s^2).
+//! it is held over each interval. The default programme tumbles for 900 s: 12 segments of 75 s, 1 deg/s an axis, reached at 0.5 deg/s^2.
 
 use nalgebra::{Matrix3, Vector3};
 use stillrate::ConfigError;

@@ -25,6 +25,15 @@ pub struct Effect {
 
 /// Finds the stretch of `window` samples with the least scatter about its mean, in hops of a quarter window. A record
 /// shorter than two windows is taken whole.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::inspect::quiet::quietest;
+/// let loud = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+/// let samples: Vec<f64> = (0..300).map(|k| if (100..200).contains(&k) { 0.1 * loud(k) } else { loud(k) }).collect();
+/// let quiet = quietest(&samples, 60);
+/// assert!(quiet.start >= 100 && quiet.end <= 200);
+/// ```
 #[must_use]
 pub fn quietest(samples: &[f64], window: usize) -> Range<usize> {
     let window = window.max(4);
@@ -44,6 +53,14 @@ pub fn quietest(samples: &[f64], window: usize) -> Range<usize> {
 }
 
 /// Compares a record with its filtered self over the quietest stretch of `window` samples and as a whole.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::inspect::quiet::effect;
+/// let raw: Vec<f64> = (0..100).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+/// let found = effect(&raw, &[0.0; 100], 20);
+/// assert_eq!((found.before, found.after, found.removed), (1.0, 0.0, 1.0));
+/// ```
 #[must_use]
 pub fn effect(raw: &[f64], filtered: &[f64], window: usize) -> Effect {
     let quiet = quietest(raw, window);

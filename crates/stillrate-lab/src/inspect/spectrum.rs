@@ -20,6 +20,15 @@ pub struct Spectrum {
 
 /// Estimates the one-sided spectral density of samples at a regular rate, in segments of `segment` samples (shortened to
 /// the record, made even).
+///
+/// # Example
+/// ```
+/// use stillrate_lab::inspect::spectrum::welch;
+/// let sine: Vec<f64> = (0..4000).map(|k| (0.2 * std::f64::consts::PI * f64::from(k)).sin()).collect();
+/// let found = welch(&sine, 100.0, 1000); // 10 Hz
+/// let peak = (0..500).max_by(|a, b| found.density[*a].total_cmp(&found.density[*b])).unwrap();
+/// assert!((found.frequency_hz[peak] - 10.0).abs() < 0.05);
+/// ```
 #[must_use]
 pub fn welch(samples: &[f64], sample_rate_hz: f64, segment: usize) -> Spectrum {
     let length = segment.min(samples.len()) & !1;

@@ -65,6 +65,18 @@ fn malformed<T>(text: impl Into<String>) -> Result<T, ReadError> {
 ///
 /// # Errors
 /// [`ReadError`] if the file cannot be read, is empty, binary, ragged, or has no row.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::delimited::{Column, read};
+/// let path = std::env::temp_dir().join("stillrate-read-example.csv");
+/// std::fs::write(&path, "t_ns,gx,note\n1,0.5,a\n2,,b\n")?;
+/// let table = read(&path).unwrap();
+/// assert_eq!(table.columns[0], Column::Integers(vec![1, 2]));
+/// assert_eq!(table.columns[2], Column::Text(vec!["a".into(), "b".into()]));
+/// std::fs::remove_file(&path)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub fn read(path: &Path) -> Result<Table, ReadError> {
     let mut sample = Vec::new();
     File::open(path)?.take(dialect::SAMPLE_BYTES as u64).read_to_end(&mut sample)?;

@@ -28,6 +28,13 @@ pub struct Dialect {
 }
 
 /// Decodes UTF-8 (with or without mark), or Latin-1 when it is not UTF-8.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::dialect::decode;
+/// assert_eq!(decode(b"\xef\xbb\xbfdeg/s"), "deg/s");
+/// assert_eq!(decode(b"\xb0/s"), "\u{b0}/s"); // Latin-1
+/// ```
 #[must_use]
 pub fn decode(bytes: &[u8]) -> String {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -38,6 +45,12 @@ pub fn decode(bytes: &[u8]) -> String {
 }
 
 /// Whether a line is a comment.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::dialect::is_comment;
+/// assert!(is_comment("  # t, gx") && !is_comment("t, gx"));
+/// ```
 #[must_use]
 pub fn is_comment(line: &str) -> bool {
     let line = line.trim_start();
@@ -45,6 +58,13 @@ pub fn is_comment(line: &str) -> bool {
 }
 
 /// A field's number; `None` if it is not one. Blank and the usual words for "no value" are NaN.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::dialect::number;
+/// assert_eq!((number("1,5", true), number(" 2 ", false), number("x", false)), (Some(1.5), Some(2.0), None));
+/// assert!(number("n/a", false).unwrap().is_nan());
+/// ```
 #[must_use]
 pub fn number(field: &str, decimal_comma: bool) -> Option<f64> {
     let field = field.trim();
@@ -59,12 +79,25 @@ pub fn number(field: &str, decimal_comma: bool) -> Option<f64> {
 }
 
 /// Whether a field says that there is no value.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::dialect::is_missing;
+/// assert!(is_missing("") && is_missing("NaN") && !is_missing("0"));
+/// ```
 #[must_use]
 pub fn is_missing(field: &str) -> bool {
     field.is_empty() || ["nan", "na", "n/a", "null", "none", "-nan"].iter().any(|word| field.eq_ignore_ascii_case(word))
 }
 
-/// Splits a line into fields; quotes protect delimiters.
+/// Splits a line into fields; quotes that begin a field protect delimiters within it.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::dialect::split;
+/// assert_eq!(split("a ;\"b;c\"", b';'), ["a", "b;c"]);
+/// assert_eq!(split("1   2", b' '), ["1", "2"]);
+/// ```
 #[must_use]
 pub fn split(line: &str, delimiter: u8) -> Vec<String> {
     if delimiter == b' ' {
@@ -81,6 +114,14 @@ pub fn split(line: &str, delimiter: u8) -> Vec<String> {
 }
 
 /// Finds the dialect of a file from its first part; `None` if there is no line with a field.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::dialect::detect;
+/// let dialect = detect("logger 7\nt;gx\n0,0;1,5\n0,1;1,6\n", true).unwrap();
+/// assert_eq!((dialect.delimiter, dialect.decimal_comma), (b';', true));
+/// assert_eq!((dialect.names, dialect.lines_before_rows), (vec!["t".into(), "gx".into()], 2));
+/// ```
 #[must_use]
 pub fn detect(sample: &str, complete: bool) -> Option<Dialect> {
     let mut lines: Vec<&str> = sample.lines().collect();

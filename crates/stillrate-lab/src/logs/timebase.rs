@@ -41,6 +41,14 @@ pub struct Timebase {
 }
 
 /// Reads time stamps in s.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::timebase::analyse;
+/// let found = analyse(&[0.0, 0.1, 0.2, 0.2, 0.3, 0.9, 1.0]);
+/// assert!((found.sample_rate_hz - 10.0).abs() < 1e-9);
+/// assert_eq!((found.gaps, found.repeats), (vec![5], vec![3]));
+/// ```
 #[must_use]
 pub fn analyse(t_s: &[f64]) -> Timebase {
     let steps: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -78,6 +86,13 @@ fn nominal_period(forward: &[f64], median: f64, steps: usize) -> f64 {
 
 /// Time steps for a filter: nominal where the stamps are within [`REGULAR_TOLERANCE`] of it, else as stamped. The first
 /// sample's step is nominal.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::timebase::steps;
+/// // Jitter below a fiftieth of a period is taken for none; the gap is not.
+/// assert_eq!(steps(&[0.0, 0.1001, 0.2, 0.75], 10.0), [0.1, 0.1, 0.1, 0.55]);
+/// ```
 #[must_use]
 pub fn steps(t_s: &[f64], sample_rate_hz: f64) -> Vec<f64> {
     let period = 1.0 / sample_rate_hz;

@@ -27,6 +27,25 @@ pub struct Style {
 ///
 /// # Errors
 /// If the file cannot be written or the columns differ in length.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::{delimited::{Column, read}, writer::{Style, write}};
+/// let path = std::env::temp_dir().join("stillrate-writer-example.csv");
+/// let style = Style {
+///     delimiter: b',',
+///     decimal_comma: false,
+///     preamble: Vec::new(),
+///     header: Some(vec!["t_s".into(), "gx_dps".into()]),
+///     missing_word: "nan".into(),
+/// };
+/// let columns = [Column::Numbers(vec![0.0, 0.5]), Column::Numbers(vec![1.25, f64::NAN])];
+/// write(&path, &columns, &style)?;
+/// assert_eq!(std::fs::read_to_string(&path)?, "t_s,gx_dps\n0.0,1.25\n0.5,nan\n");
+/// assert_eq!(read(&path).unwrap().columns[0], columns[0]);
+/// std::fs::remove_file(&path)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub fn write(path: &Path, columns: &[Column], style: &Style) -> io::Result<()> {
     let rows = columns.first().map_or(0, length);
     if columns.iter().any(|column| length(column) != rows) {

@@ -11,6 +11,14 @@ pub const BENCH_STATES: [&str; 12] =
     ["dvN", "dvE", "dvD", "phN", "phE", "phD", "bgx", "bgy", "bgz", "bax", "bay", "baz"];
 
 /// A of the bench IMU for one attitude (roll, pitch, yaw, rad) at a latitude (rad) under a gravity (m/s^2).
+///
+/// # Example
+/// ```
+/// use stillrate_lab::observability::{BENCH_STATES, bench_imu, bench_measurement};
+/// let a = bench_imu([0.0; 3], 0.8, 9.81);
+/// assert_eq!((a.nrows(), bench_measurement().nrows(), BENCH_STATES[6]), (12, 3, "bgx"));
+/// assert_eq!(a[(0, 4)], 9.81); // a pitch error tilts gravity into north
+/// ```
 #[must_use]
 pub fn bench_imu(euler_rad: [f64; 3], latitude_rad: f64, gravity_m_s2: f64) -> DMatrix<f64> {
     let [roll, pitch, yaw] = euler_rad;

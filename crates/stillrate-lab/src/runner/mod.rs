@@ -7,7 +7,7 @@
 use stillrate::{ConfigError, Settings};
 
 use crate::saved;
-use crate::settings_map::{SettingsError, SettingsMap, from_map, nearest};
+use crate::settings_map::{SettingsError, SettingsMap, from_map, hint};
 
 mod running;
 mod table;
@@ -87,7 +87,7 @@ pub fn build(
                 })*
                 other => {
                     let known = [$(<stillrate::filters::$name as Settings>::METHOD),*];
-                    let hint = nearest(other, &known).map_or(String::new(), |near| format!(": did you mean '{near}'?"));
+                    let hint = hint(other, &known);
                     Err(SettingsError::Text(format!("no method '{other}' (one of {}){hint}", known.join(", "))))
                 }
             }
@@ -97,6 +97,11 @@ pub fn build(
 }
 
 /// Names of all methods.
+///
+/// # Example
+/// ```
+/// assert!(stillrate_lab::runner::method_names().contains(&"ms-imm-ikf"));
+/// ```
 #[must_use]
 pub fn method_names() -> Vec<&'static str> {
     macro_rules! names {
@@ -121,6 +126,18 @@ fn start<S: Settings>(
 ///
 /// # Errors
 /// A sentence that says why the bytes are refused: truncated, altered, of another version, or out of range.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::runner::{Precision, build, restore};
+/// use stillrate_lab::settings_map::{SettingsMap, Value};
+/// let settings = SettingsMap::from([("sample_rate_hz".to_string(), Value::Number(50.0))]);
+/// let mut filter = build("pt1", &settings, 1, Precision::Double)?;
+/// filter.update(&mut [0.12], None);
+/// let again = restore(&filter.save())?;
+/// assert_eq!(again.estimate(0).rate, filter.estimate(0).rate);
+/// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
+/// ```
 pub fn restore(bytes: &[u8]) -> Result<Box<dyn Runner>, SettingsError> {
     let saved = saved::read(bytes).map_err(SettingsError::Text)?;
     // One channel first: a few bytes that speak of a million channels are refused before these are made.

@@ -4,7 +4,7 @@
 //! they shrink the bracket fast enough, golden sections where they do not. The bracket is the pair of grid points
 //! beside the best one. The objective over log10(Q/R) may be flat or have a second valley towards the ends; the grid is the guard against both.
 
-use crate::tune::minimise::{MinimiseError, Minimum, Objective, Progress, value_all};
+use crate::tune::minimise::{MinimiseError, Minimum, Objective, Progress, lowest, value_all};
 
 /// (3 - sqrt 5) / 2: the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
@@ -137,17 +137,6 @@ fn parabola((x, fx): (f64, f64), (w, fw): (f64, f64), (v, fv): (f64, f64)) -> Op
     let denominator = 2.0 * (q - r);
     let step = -numerator / denominator;
     step.is_finite().then_some(step)
-}
-
-/// Index and value of the smallest finite entry, the first one on ties.
-pub(crate) fn lowest(values: &[f64]) -> Option<(usize, f64)> {
-    let mut best: Option<(usize, f64)> = None;
-    for (i, &value) in values.iter().enumerate() {
-        if value.is_finite() && best.is_none_or(|(_, b)| value < b) {
-            best = Some((i, value));
-        }
-    }
-    best
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use stillrate::Real;
 
-use crate::tune::lanes::{Candidates, has_settled};
+use crate::tune::lanes::{Candidates, Innovations, has_settled};
 
 /// Initial variance of the acceleration over that of the measurement: as good as unknown.
 pub(crate) const ACCELERATION_VARIANCE: f64 = 1e6;
@@ -16,16 +16,14 @@ pub(crate) struct RandomWalks<const W: usize> {
     q: [f64; W],
     p: [f64; W],
     k: [f64; W],
-    f: [f64; W],
-    information: [f64; W],
     x: [f64; W],
-    settled: [f64; W],
+    innovations: Innovations<W>,
 }
 
 impl<const W: usize> Candidates<W> for RandomWalks<W> {
     #[inline(always)]
     fn start(q: &[f64; W], _period_s: f64, first: f64) -> Self {
-        Self { q: *q, p: [1.0; W], k: [0.0; W], f: [1.0; W], information: [1.0; W], x: [first; W], settled: [0.0; W] }
+        Self { q: *q, p: [1.0; W], k: [0.0; W], x: [first; W], innovations: Innovations::start() }
     }
 
     #[inline(always)]
@@ -35,10 +33,7 @@ impl<const W: usize> Candidates<W> for RandomWalks<W> {
             let f = predicted + 1.0;
             let information = 1.0 / f;
             let k = predicted * information;
-            let held = self.settled[l] == 1.0;
-            self.settled[l] = f64::select(held || has_settled(self.k[l], k), 1.0, 0.0);
-            self.f[l] = f64::select(held, self.f[l], f);
-            self.information[l] = f64::select(held, self.information[l], information);
+            let held = self.innovations.take(l, f, information, has_settled(self.k[l], k));
             self.k[l] = f64::select(held, self.k[l], k);
             self.p[l] = f64::select(held, self.p[l], (1.0 - k) * predicted);
         }
@@ -49,7 +44,7 @@ impl<const W: usize> Candidates<W> for RandomWalks<W> {
         for l in 0..W {
             self.p[l] += self.q[l];
         }
-        self.settled = [0.0; W];
+        self.innovations.settled = [0.0; W];
     }
 
     #[inline(always)]
@@ -63,18 +58,8 @@ impl<const W: usize> Candidates<W> for RandomWalks<W> {
     }
 
     #[inline(always)]
-    fn settled(&self) -> &[f64; W] {
-        &self.settled
-    }
-
-    #[inline(always)]
-    fn innovation_variance(&self) -> &[f64; W] {
-        &self.f
-    }
-
-    #[inline(always)]
-    fn information(&self) -> &[f64; W] {
-        &self.information
+    fn innovations(&self) -> &Innovations<W> {
+        &self.innovations
     }
 
     #[inline(always)]
@@ -91,10 +76,8 @@ pub(crate) struct RateAccelerations<const W: usize> {
     /// Covariance of the rate, of both, of the acceleration.
     p: [[f64; W]; 3],
     k: [[f64; W]; 2],
-    f: [f64; W],
-    information: [f64; W],
     x: [[f64; W]; 2],
-    settled: [f64; W],
+    innovations: Innovations<W>,
 }
 
 impl<const W: usize> RateAccelerations<W> {
@@ -116,10 +99,8 @@ impl<const W: usize> Candidates<W> for RateAccelerations<W> {
             q: [q.map(|q| q * cube / 3.0), q.map(|q| q * square / 2.0), q.map(|q| q * dt)],
             p: [[1.0; W], [0.0; W], [ACCELERATION_VARIANCE; W]],
             k: [[0.0; W]; 2],
-            f: [1.0; W],
-            information: [1.0; W],
             x: [[first; W], [0.0; W]],
-            settled: [0.0; W],
+            innovations: Innovations::start(),
         }
     }
 
@@ -131,10 +112,7 @@ impl<const W: usize> Candidates<W> for RateAccelerations<W> {
             let information = 1.0 / f;
             let [k1, k2] = [p11 * information, p12 * information];
             let still = has_settled(self.k[0][l], k1) && has_settled(self.k[1][l], k2);
-            let held = self.settled[l] == 1.0;
-            self.settled[l] = f64::select(held || still, 1.0, 0.0);
-            self.f[l] = f64::select(held, self.f[l], f);
-            self.information[l] = f64::select(held, self.information[l], information);
+            let held = self.innovations.take(l, f, information, still);
             self.k[0][l] = f64::select(held, self.k[0][l], k1);
             self.k[1][l] = f64::select(held, self.k[1][l], k2);
             // Joseph's form of the only entry that could lose its sign is p22 - k2 p12 with k2 p12 <= p22.
@@ -153,7 +131,7 @@ impl<const W: usize> Candidates<W> for RateAccelerations<W> {
             self.p[2][l] = p22;
             self.x[0][l] += self.dt * self.x[1][l];
         }
-        self.settled = [0.0; W];
+        self.innovations.settled = [0.0; W];
     }
 
     #[inline(always)]
@@ -169,18 +147,8 @@ impl<const W: usize> Candidates<W> for RateAccelerations<W> {
     }
 
     #[inline(always)]
-    fn settled(&self) -> &[f64; W] {
-        &self.settled
-    }
-
-    #[inline(always)]
-    fn innovation_variance(&self) -> &[f64; W] {
-        &self.f
-    }
-
-    #[inline(always)]
-    fn information(&self) -> &[f64; W] {
-        &self.information
+    fn innovations(&self) -> &Innovations<W> {
+        &self.innovations
     }
 
     #[inline(always)]

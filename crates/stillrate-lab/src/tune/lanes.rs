@@ -24,14 +24,38 @@ pub(crate) trait Candidates<const W: usize>: Sized {
     fn coast(&mut self);
     /// Predicts and updates the states with the present gains; gives the innovations.
     fn update(&mut self, value: f64) -> [f64; W];
-    /// 1 where the gain has settled, else 0.
-    fn settled(&self) -> &[f64; W];
-    /// Innovation variances.
-    fn innovation_variance(&self) -> &[f64; W];
-    /// Their reciprocals.
-    fn information(&self) -> &[f64; W];
+    /// Variances of the innovations.
+    fn innovations(&self) -> &Innovations<W>;
     /// Estimated rates.
     fn rate(&self) -> &[f64; W];
+}
+
+/// Variances of the innovations of `W` filters, followed until the gain has settled.
+pub(crate) struct Innovations<const W: usize> {
+    /// Innovation variances.
+    pub(crate) variance: [f64; W],
+    /// Their reciprocals.
+    pub(crate) information: [f64; W],
+    /// 1 where the gain has settled, else 0.
+    pub(crate) settled: [f64; W],
+}
+
+impl<const W: usize> Innovations<W> {
+    /// At the first sample.
+    #[inline(always)]
+    pub(crate) fn start() -> Self {
+        Self { variance: [1.0; W], information: [1.0; W], settled: [0.0; W] }
+    }
+
+    /// Takes the variance of filter `l` unless its gain had settled before, which it returns; `still` says that it settles now.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, l: usize, variance: f64, information: f64, still: bool) -> bool {
+        let held = self.settled[l] == 1.0;
+        self.settled[l] = f64::select(held || still, 1.0, 0.0);
+        self.variance[l] = f64::select(held, self.variance[l], variance);
+        self.information[l] = f64::select(held, self.information[l], information);
+        held
+    }
 }
 
 /// What a run over one record adds up, for `W` candidates: the innovations, or with a truth only the errors.
@@ -92,7 +116,7 @@ fn run_plain<M: Candidates<W>, const W: usize>(q: &[f64; W], dt: f64, z: &[f64],
     let mut k = first + 1;
     while k < z.len() {
         if !z[k].is_finite() {
-            tally.close(filters.innovation_variance());
+            tally.close(&filters.innovations().variance);
             filters.coast();
             settled = false;
         } else if !settled {
@@ -101,7 +125,7 @@ fn run_plain<M: Candidates<W>, const W: usize>(q: &[f64; W], dt: f64, z: &[f64],
             if truth.is_none() {
                 tally.add(&innovation, &filters);
             }
-            settled = filters.settled().iter().sum::<f64>() == W as f64;
+            settled = filters.innovations().settled.iter().sum::<f64>() == W as f64;
         } else {
             let end = z[k..].iter().position(|v| !v.is_finite()).map_or(z.len(), |gap| k + gap);
             tally.add_settled(&mut filters, z, truth, k..end);
@@ -111,7 +135,7 @@ fn run_plain<M: Candidates<W>, const W: usize>(q: &[f64; W], dt: f64, z: &[f64],
         tally.compare(filters.rate(), truth, k);
         k += 1;
     }
-    tally.close(filters.innovation_variance());
+    tally.close(&filters.innovations().variance);
     tally.sums
 }
 
@@ -135,8 +159,7 @@ impl<const W: usize> Tally<W> {
 
     #[inline(always)]
     fn add<M: Candidates<W>>(&mut self, innovation: &[f64; W], filters: &M) {
-        let (variance, information, settled) =
-            (filters.innovation_variance(), filters.information(), filters.settled());
+        let Innovations { variance, information, settled } = filters.innovations();
         for l in 0..W {
             self.sums.weighted_square[l] += innovation[l] * innovation[l] * information[l];
             self.product[l] *= f64::select(settled[l] == 1.0, 1.0, variance[l].least(LARGEST_VARIANCE));
@@ -164,7 +187,7 @@ impl<const W: usize> Tally<W> {
             }
             return;
         }
-        let information = *filters.information();
+        let information = filters.innovations().information;
         let mut square = self.sums.weighted_square;
         let count = range.len();
         for &value in &z[range] {

@@ -149,3 +149,14 @@ pub(crate) fn value_all(
     values.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = f64::INFINITY);
     Ok(values)
 }
+
+/// Index and value of the smallest finite entry, the first one on ties.
+pub(crate) fn lowest(values: &[f64]) -> Option<(usize, f64)> {
+    let mut best: Option<(usize, f64)> = None;
+    for (i, &value) in values.iter().enumerate() {
+        if value.is_finite() && best.is_none_or(|(_, b)| value < b) {
+            best = Some((i, value));
+        }
+    }
+    best
+}

@@ -10,8 +10,7 @@
 use stillrate::Real;
 
 use crate::random::{Generator, SplitMix64};
-use crate::tune::brent::lowest;
-use crate::tune::minimise::{MinimiseError, Minimum, Objective, Progress, value_all};
+use crate::tune::minimise::{MinimiseError, Minimum, Objective, Progress, lowest, value_all};
 
 /// Where an attractor lies between a particle's own best and the swarm's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,6 +14,13 @@ use crate::real::Real;
 pub const ORTHONORMALITY_TOLERANCE: f64 = 1e-6;
 
 /// Determinant of a 3x3 matrix.
+///
+/// # Example
+/// ```
+/// use nalgebra::Matrix3;
+/// use stillrate::attitude::dcm::determinant;
+/// assert_eq!(determinant(&(Matrix3::<f64>::identity() * 2.0)), 8.0);
+/// ```
 #[inline]
 pub fn determinant<T: Real>(c: &Matrix3<T>) -> T {
     c[(0, 0)] * (c[(1, 1)] * c[(2, 2)] - c[(1, 2)] * c[(2, 1)])
@@ -22,6 +29,15 @@ pub fn determinant<T: Real>(c: &Matrix3<T>) -> T {
 }
 
 /// Matrix of cofactors: the determinant times the inverse transposed.
+///
+/// # Example
+/// ```
+/// use nalgebra::Matrix3;
+/// use stillrate::attitude::dcm::{cofactors, determinant};
+/// let c = Matrix3::new(2.0, 1.0, 0.0, 0.0, 3.0, 1.0, 1.0, 0.0, 1.0_f64);
+/// let inverse = cofactors(&c).transpose() / determinant(&c);
+/// assert!((c * inverse - Matrix3::identity()).amax() < 1e-15);
+/// ```
 #[inline]
 pub fn cofactors<T: Real>(c: &Matrix3<T>) -> Matrix3<T> {
     let m = |i: usize, j: usize| c[(i, j)];
@@ -39,6 +55,14 @@ pub fn cofactors<T: Real>(c: &Matrix3<T>) -> Matrix3<T> {
 }
 
 /// Largest entry of |C'C - I|; NaN where an entry is not finite.
+///
+/// # Example
+/// ```
+/// use nalgebra::Matrix3;
+/// use stillrate::attitude::dcm::orthonormality_error;
+/// assert_eq!(orthonormality_error(&Matrix3::<f64>::identity()), 0.0);
+/// assert_eq!(orthonormality_error(&(Matrix3::<f64>::identity() * 2.0)), 3.0);
+/// ```
 pub fn orthonormality_error<T: Real>(c: &Matrix3<T>) -> T {
     let excess = c.transpose() * c - Matrix3::identity();
     let mut worst = T::ZERO;

@@ -40,6 +40,12 @@ pub fn position<T: Real>(latitude_rad: T, longitude_rad: T) -> Rotation<T, Navig
 }
 
 /// How far the Earth has turned after `elapsed_s` seconds: Rz(Omega t).
+///
+/// # Example
+/// ```
+/// use stillrate::attitude::earth::{EARTH_RATE_RAD_S, turned};
+/// assert!((turned(3600.0_f64).log().z - 3600.0 * EARTH_RATE_RAD_S).abs() < 1e-15);
+/// ```
 #[must_use]
 pub fn turned<T: Real>(elapsed_s: T) -> Rotation<T, EarthFixed, Inertial> {
     let (sine, cosine) = (T::of(EARTH_RATE_RAD_S) * elapsed_s).sine_cosine();
@@ -68,6 +74,12 @@ pub fn inertial_attitude<T: Real>(
 }
 
 /// Earth rate in north, east, down at a latitude (rad), rad/s.
+///
+/// # Example
+/// ```
+/// use stillrate::attitude::earth::{EARTH_RATE_RAD_S, earth_rate_ned};
+/// assert_eq!(earth_rate_ned(0.0), nalgebra::Vector3::new(EARTH_RATE_RAD_S, 0.0, -0.0));
+/// ```
 #[must_use]
 pub fn earth_rate_ned<T: Real>(latitude_rad: T) -> Vector3<T> {
     let (sine, cosine) = latitude_rad.sine_cosine();

@@ -11,6 +11,13 @@ use crate::attitude::so3;
 use crate::real::Real;
 
 /// Integrates all rates uncorrected, each over its time step.
+///
+/// # Example
+/// ```
+/// use stillrate::attitude::{shortcuts::integrate, so3};
+/// let turn = integrate((0..100).map(|_| ([0.0, 0.0, 0.1_f64], 0.01)));
+/// assert!((so3::log(&turn.rotation).z - 0.1).abs() < 1e-15);
+/// ```
 pub fn integrate<T: Real>(samples: impl Iterator<Item = ([T; 3], T)>) -> Preintegration<T> {
     let mut turn = Preintegration::new();
     samples.for_each(|(rate, dt)| turn.advance(rate.into(), dt));
@@ -38,6 +45,15 @@ pub fn small_angle_with_jacobian<T: Real>(turn: &Preintegration<T>, reference: &
 }
 
 /// Mean measured rate minus mean reference rate, Log(D)/T.
+///
+/// # Example
+/// ```
+/// use nalgebra::Matrix3;
+/// use stillrate::attitude::shortcuts::mean_rate;
+/// // It stood still, so what was measured is the bias.
+/// let bias = mean_rate((0..100).map(|_| ([0.0, 0.0, 1e-3_f64], 0.01)), &Matrix3::identity());
+/// assert!((bias.z - 1e-3).abs() < 1e-15);
+/// ```
 pub fn mean_rate<T: Real>(samples: impl Iterator<Item = ([T; 3], T)>, reference: &Matrix3<T>) -> Vector3<T> {
     let (sum, time) = samples
         .fold((Vector3::zeros(), T::ZERO), |(sum, time), (rate, dt)| (sum + Vector3::from(rate) * dt, time + dt));

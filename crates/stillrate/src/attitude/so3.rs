@@ -125,6 +125,14 @@ pub fn right_jacobian<T: Real>(v: &Vector3<T>) -> Matrix3<T> {
 }
 
 /// Exp(v) and Jr(v) together, at the cost of one sine and cosine.
+///
+/// # Example
+/// ```
+/// use nalgebra::Vector3;
+/// use stillrate::attitude::so3::{exp, exp_with_jacobian, right_jacobian};
+/// let v = Vector3::new(0.1, -0.2, 0.3_f64);
+/// assert_eq!(exp_with_jacobian(&v), (exp(&v), right_jacobian(&v)));
+/// ```
 #[inline]
 pub fn exp_with_jacobian<T: Real>(v: &Vector3<T>) -> (Matrix3<T>, Matrix3<T>) {
     let (first, second, third) = coefficients(squared(v));
@@ -157,6 +165,14 @@ pub fn right_jacobian_inverse<T: Real>(v: &Vector3<T>) -> Matrix3<T> {
 /// The vector of the antisymmetric part of a matrix: what a small-angle method takes for Log.
 ///
 /// Its length is sin a where that of [`log`] is a.
+///
+/// # Example
+/// ```
+/// use nalgebra::Vector3;
+/// use stillrate::attitude::so3::{antisymmetric_part, exp};
+/// let turn = exp(&Vector3::new(0.0, 0.0, 0.5_f64));
+/// assert!((antisymmetric_part(&turn).z - 0.5_f64.sin()).abs() < 1e-15);
+/// ```
 #[inline]
 pub fn antisymmetric_part<T: Real>(c: &Matrix3<T>) -> Vector3<T> {
     Vector3::new(

@@ -67,12 +67,25 @@ pub fn rls_noise(forgetting_factor: f64, n: u64) -> f64 {
 }
 
 /// Noise variance in the steady state, order 1: (1 - lambda)/(1 + lambda).
+///
+/// # Example
+/// ```
+/// use stillrate::filters::closed_forms::{rls_noise, steady_noise};
+/// assert!((steady_noise(0.9) - 0.1 / 1.9).abs() < 1e-16);
+/// assert!((rls_noise(0.9, 1000) - steady_noise(0.9)).abs() < 1e-16); // where it ends
+/// ```
 #[must_use]
 pub fn steady_noise(forgetting_factor: f64) -> f64 {
     (1.0 - forgetting_factor) / (1.0 + forgetting_factor)
 }
 
 /// Noise variance in the steady state, order 2: (1 - lambda)(1 + 4 lambda + 5 lambda^2)/(1 + lambda)^3.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::closed_forms::{steady_noise, steady_noise_order_2};
+/// assert!((steady_noise_order_2(0.99) / steady_noise(0.99) - 2.5).abs() < 0.02); // the price of a slope
+/// ```
 #[must_use]
 pub fn steady_noise_order_2(forgetting_factor: f64) -> f64 {
     let sum = 1.0 + forgetting_factor;
@@ -80,6 +93,12 @@ pub fn steady_noise_order_2(forgetting_factor: f64) -> f64 {
 }
 
 /// Gains (g1, g2) of order 2 in the steady state: 1 - lambda^2 and (1 - lambda)^2.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::closed_forms::steady_gains_order_2;
+/// assert_eq!(steady_gains_order_2(0.5), (0.75, 0.25));
+/// ```
 #[must_use]
 pub fn steady_gains_order_2(forgetting_factor: f64) -> (f64, f64) {
     let rest = 1.0 - forgetting_factor;
@@ -100,12 +119,24 @@ pub fn lag_samples(forgetting_factor: f64) -> f64 {
 }
 
 /// Length of the boxcar with the same noise variance: (1 + lambda)/(1 - lambda).
+///
+/// # Example
+/// ```
+/// use stillrate::filters::closed_forms::{boxcar_length, steady_noise};
+/// assert!((boxcar_length(0.9) * steady_noise(0.9) - 1.0).abs() < 1e-15);
+/// ```
 #[must_use]
 pub fn boxcar_length(forgetting_factor: f64) -> f64 {
     (1.0 + forgetting_factor) / (1.0 - forgetting_factor)
 }
 
 /// Phase delay in samples at a frequency (fraction of the sample rate, above 0) in the steady state, order 1.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::closed_forms::{lag_samples, phase_delay_samples};
+/// assert!((phase_delay_samples(0.9, 1e-6) - lag_samples(0.9)).abs() < 1e-6); // slow motion is late by the lag
+/// ```
 #[must_use]
 pub fn phase_delay_samples(forgetting_factor: f64, frequency: f64) -> f64 {
     let omega = core::f64::consts::TAU * frequency;
@@ -131,18 +162,36 @@ pub fn half_power_frequency(forgetting_factor: f64) -> Option<f64> {
 }
 
 /// Memory in samples: -1/ln lambda; infinite for lambda = 1.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::closed_forms::tau_samples;
+/// assert_eq!(tau_samples(1.0), f64::INFINITY);
+/// ```
 #[must_use]
 pub fn tau_samples(forgetting_factor: f64) -> f64 {
     if forgetting_factor == 1.0 { f64::INFINITY } else { -1.0 / forgetting_factor.logarithm() }
 }
 
 /// lambda of a memory in samples: exp(-1/tau).
+///
+/// # Example
+/// ```
+/// use stillrate::filters::closed_forms::{forgetting_factor_of_tau, tau_samples};
+/// assert!((tau_samples(forgetting_factor_of_tau(20.0)) - 20.0).abs() < 1e-12);
+/// ```
 #[must_use]
 pub fn forgetting_factor_of_tau(tau_samples: f64) -> f64 {
     (-1.0 / tau_samples).exponential()
 }
 
 /// Q/R of the random-walk Kalman filter with the steady gain 1 - lambda: (1 - lambda)^2/lambda.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::closed_forms::variance_ratio;
+/// assert_eq!(variance_ratio(0.5), 0.5);
+/// ```
 #[must_use]
 pub fn variance_ratio(forgetting_factor: f64) -> f64 {
     let rest = 1.0 - forgetting_factor;

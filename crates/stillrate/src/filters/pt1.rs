@@ -113,20 +113,20 @@ impl<T: Real> Filter<T> for Pt1<T> {
 
     #[inline(always)]
     fn observe<O: Observer<T>>(&self, state: &mut Pt1State<T>, sample: Sample<T>, _observer: &mut O) -> Estimate<T> {
-        let sample_ok = sample.check(self.limit, self.period_s);
-        state.started = sample_ok.known(state.started);
-        let x = self.corner_rad_s * sample_ok.dt;
-        let gain = T::select(sample_ok.dt == self.period_s, self.gain, x / (T::ONE + x));
-        let fresh = state.started == T::ZERO || sample_ok.restart;
-        let moved = state.level + gain * (sample_ok.value - state.level);
-        let next = T::select(fresh, sample_ok.value, moved).flushed();
-        state.level = T::select(sample_ok.present, next, state.level);
-        state.started = T::select(sample_ok.present, T::ONE, state.started);
+        let checked = sample.check(self.limit, self.period_s);
+        state.started = checked.known(state.started);
+        let x = self.corner_rad_s * checked.dt;
+        let gain = T::select(checked.dt == self.period_s, self.gain, x / (T::ONE + x));
+        let fresh = state.started == T::ZERO || checked.restart;
+        let moved = state.level + gain * (checked.value - state.level);
+        let next = T::select(fresh, checked.value, moved).flushed();
+        state.level = T::select(checked.present, next, state.level);
+        state.started = T::select(checked.present, T::ONE, state.started);
         Estimate {
             rate: state.level,
             acceleration: T::ZERO,
             variance: T::ZERO,
-            flags: sample_ok.flags.with(Flags::NO_DATA_YET.when(state.started == T::ZERO)),
+            flags: checked.flags.with(Flags::NO_DATA_YET.when(state.started == T::ZERO)),
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Each epoch is linearised once, about the prediction; the three accelerometers are taken in one after the other with the residual and row of
 //! that prediction, and the correction is applied once: R <- exp(-[dpsi x]) R, coefficients by addition. The bilinear terms that a
 //! linearisation leaves out act as noise of about g tr P_psipsi; inflating R_k = R + c2 (g tr P_psipsi)^2 with c2 = 5 keeps the filter
-//! honest while it is still far off (c2 = 0: errors up to 38 times the bound). Source: section 5.2 of the reconstruction of
+//! honest while it is still far off (c2 = 0: errors up to 38 times the bound). Source: our reconstruction of
 //! DOI 10.3873/j.issn.1000-1328.2017.06.009.
 
 use nalgebra::{Matrix3, Vector3};

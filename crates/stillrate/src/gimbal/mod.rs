@@ -3,7 +3,9 @@
 //!
 //! [`Model`] and [`Geometry`] are the exact model; [`Relinearised`] is the recommended estimator (recursive Gauss-Newton, reaches the
 //! Cramer-Rao bound), [`JointFilter`] the on-line one, [`TwoLoop`] the smaller two-loop filter. All run on [`Factor`], one
-//! triangular square root in `f32` or `f64`. Source: a reconstruction of DOI 10.3873/j.issn.1000-1328.2017.06.009.
+//! triangular square root in `f32` or `f64`. Source: our reconstruction of
+//! DOI 10.3873/j.issn.1000-1328.2017.06.009, whose displayed equations we did not have: written anew from
+//! inertial-navigation theory, and checked against the figures it publishes.
 
 pub mod carried;
 pub mod coefficients;

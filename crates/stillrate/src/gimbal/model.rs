@@ -5,7 +5,7 @@
 //! eps_i = kg0_i + (kgI_i I'.f + kgO_i O'.f + kgS_i S'.f) / g, f = R f^n; dR/dt = -[w_p x] R + R [w_ie x]. Accelerometer i reads
 //! z_i = ka0_i + (1 + ka1_i) u + ka2_i u^2 with u = a_i.f. One step of T: rate at the start, specific force at mid-step with it, rate
 //! there, R <- exp(-[w_p T x]) R exp([w_ie T x]); it agrees with a Runge-Kutta integration to 1.3e-9 m/s^2 over 900 s at T = 0.25 s.
-//! Source: section 2 of the reconstruction of DOI 10.3873/j.issn.1000-1328.2017.06.009.
+//! Source: our reconstruction of DOI 10.3873/j.issn.1000-1328.2017.06.009.
 
 use nalgebra::{Matrix3, Vector3};
 

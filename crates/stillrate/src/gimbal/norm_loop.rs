@@ -2,8 +2,8 @@
 //!
 //! At rest |f| = g in any attitude. With u_i = (z_i - ka0_i) / (1 + ka1_i) and f_e = A_a^-1 u the scalar residual g - |f_e| depends on
 //! the nine coefficients ka0, ka1, thp_y, thp_z, tho_z only: no attitude, no gyro. H = f_hat^T df_e with b_i = A_a^-1 e_i:
-//! df_e/dka0_i = -b_i / (1 + ka1_i), df_e/dka1_i = -b_i u_i / (1 + ka1_i), df_e/dth = -b_i (da_i/dth . f_e). Source: section 5.4
-//! of the reconstruction of DOI 10.3873/j.issn.1000-1328.2017.06.009 (the published loops, fed with each other's point
+//! df_e/dka0_i = -b_i / (1 + ka1_i), df_e/dka1_i = -b_i u_i / (1 + ka1_i), df_e/dth = -b_i (da_i/dth . f_e). Source: our
+//! reconstruction of DOI 10.3873/j.issn.1000-1328.2017.06.009 (the published loops, fed with each other's point
 //! estimates, never converge).
 
 use nalgebra::{Matrix3, Vector3};

@@ -4,7 +4,7 @@
 //! H = h_psi [Phi_t, B_t] + h_theta ([`Carried`]); its prior mean is always x_0 - x_lin: restarting uses no sample twice. After a pass
 //! over the first t seconds the linearisation takes the estimate. Passes over 15, 30, 60, ... s, the whole record, and the whole record
 //! again reach the Gauss-Newton solution. With angle random walk the same passes run with process noise: the deterministic path is
-//! then only the point of linearisation, off by the walk (1e-6 rad), whose square is negligible. Source: section 5.3 of the reconstruction of
+//! then only the point of linearisation, off by the walk (1e-6 rad), whose square is negligible. Source: our reconstruction of
 //! DOI 10.3873/j.issn.1000-1328.2017.06.009.
 //!
 //! The last pass does not take d from the recursion, which carries it from x_0 - x_lin (of order one) to about zero and keeps the

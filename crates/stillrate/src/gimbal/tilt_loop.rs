@@ -3,8 +3,8 @@
 //! The norm loop gives f_e; its east and north components after turning it back, R^T (f_e - R f^n), are the tilt error (the
 //! vertical one carries none). Prediction 0, H = rows N, E of R^T [f x]; R_i = Rv + 5 (g tr P_phiphi)^2 + 30 [R^T D P_A D^T R]_ii, the last
 //! term for the uncertainty of the norm loop in the cascade. The two-stage form runs the norm loop over the whole record first and leaves that term
-//! out. 9 + 21 states in place of 30, and about twice the error of the joint filter. Source: section 5.4 of
-//! the reconstruction of DOI 10.3873/j.issn.1000-1328.2017.06.009.
+//! out. 9 + 21 states in place of 30, and about twice the error of the joint filter. Source: our
+//! reconstruction of DOI 10.3873/j.issn.1000-1328.2017.06.009.
 
 use nalgebra::{Matrix3, Vector3};
 

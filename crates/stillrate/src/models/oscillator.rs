@@ -6,6 +6,7 @@
 //! F[r,:] = [h_(r+3) + 2 omega^2 h_(r+1), h_(r+2) + 2 omega^2 h_r, h_(r+1), h_r], and the process noise is the integral of
 //! h h' over the step, by four-point Gauss-Legendre quadrature (positive semidefinite by construction).
 
+use crate::gaussian::outer;
 use crate::real::Real;
 use crate::reals;
 
@@ -76,19 +77,7 @@ impl<T: Real> OscillatorStep<T> {
         for (node, weight) in NODES {
             let h = responses(omega, dt * T::of(node));
             let weighted = h.map(|value| value * (T::of(weight) * dt));
-            let products = [
-                weighted[0] * h[0],
-                weighted[0] * h[1],
-                weighted[0] * h[2],
-                weighted[0] * h[3],
-                weighted[1] * h[1],
-                weighted[1] * h[2],
-                weighted[1] * h[3],
-                weighted[2] * h[2],
-                weighted[2] * h[3],
-                weighted[3] * h[3],
-            ];
-            for (sum, product) in noise.iter_mut().zip(products) {
+            for (sum, product) in noise.iter_mut().zip(outer(weighted, h)) {
                 *sum += product;
             }
         }
