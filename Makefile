@@ -22,7 +22,7 @@ demo: build
 	. .venv/bin/activate && maturin develop --release --quiet --extras all,test,lint,docs
 	touch $@
 
-test: test-rust test-instructions test-python test-docs
+test: test-rust test-instructions test-python test-docs test-embedded
 
 test-rust:
 	cargo test --workspace --exclude stillrate-py --quiet

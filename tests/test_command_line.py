@@ -210,5 +210,10 @@ def test_allan_and_compare_show_their_tables(log, tmp_path, capsys):
     figures = json.loads((tmp_path / "a.json").read_text())["channels"]["gx_dps"]["angle_random_walk"]
     assert figures["lower"] < 0.0151 < figures["upper"]
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-    assert main(["compare", str(rest), "--method", "pt1", "--method", "ms-imm-ikf"]) == 0
+    asked = ["compare", str(rest), "--method", "pt1", "--method", "ms-imm-ikf", "--report", str(tmp_path / "c.html")]
+    assert main(asked) == 0
     assert "ms-imm-ikf" in capsys.readouterr().out
+    page = (tmp_path / "c.html").read_text(encoding="utf-8")
+    assert "2 methods on rest.npz" in page and len(page) < 200_000
+    assert main(asked) == 2 and "exists" in capsys.readouterr().err
+    assert main([*asked, "--force"]) == 0

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 import stillrate as sr
 from stillrate.cleaning import clean, settings_for
-from stillrate.report import write_page
+from stillrate.comparing import compare_with_stretches
+from stillrate.report import comparison, write_page
 
 BROWSER = chromium.find()
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
@@ -116,6 +117,89 @@ def test_a_channel_is_unpacked_when_it_is_chosen(page, short):
     page.settle()
     shown = page.ask("Array.from(stillrate.plots.rate.series[0].y.slice(15000, 15020))")
     np.testing.assert_allclose(shown, done.raw.rate_dps[15000:15020, 1], atol=0.01)
+    assert page.errors == []
+
+
+METHODS = ("ms-imm-ikf", "pt1", "one-euro", "ar-kf", "fir", "hmm-kf")
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "compared.html"
+    found = []
+    for name, channels in (("first.csv", 1), ("second.csv", 2)):
+        log = made(6000, channels).raw
+        found.append(comparison.Compared(name, log, *compare_with_stretches(log, METHODS)))
+    comparison.write_page(path, found)
+    return path, found
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+@pytest.mark.parametrize("width", [1200, 390], ids=["desk", "phone"])
+def test_a_comparison_is_drawn_with_every_price_and_asks_nothing_of_the_network(page, compared, dark, width):
+    page.open(compared[0], width=width, height=844, dark=dark)
+    page.settle()
+    for price in ("distortion", "lag", "settling", "cost"):
+        page.ask(f"document.querySelector('[data-price={price}]').click()")
+        page.settle()
+        assert price in page.ask("document.querySelector('#gain h3').textContent").replace("how late", "lag")
+    for figure in ("gain", "rest", "motion"):
+        assert page.ask(f"{INK}('{figure}')") > 0.01, figure
+    assert page.ask("document.getElementById('failed').textContent") == ""
+    assert page.errors == []
+    assert page.requests == [compared[0].resolve().as_uri()]
+    assert page.ask("document.documentElement.scrollWidth <= innerWidth")
+    shade = page.ask("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3).map(Number)")
+    assert (max(shade) < 64) if dark else (min(shade) > 192)
+    assert colours(page.picture()) > 50
+
+
+def test_the_table_of_a_comparison_shows_the_figures_and_sorts_by_any(page, compared):
+    path, found = compared
+    page.open(path)
+    table = "[...document.querySelectorAll('#figures tbody tr')].map(r => [...r.cells].map(c => c.textContent))"
+    rows = page.ask(table)
+    assert [row[0] for row in rows] == list(METHODS) and all(len(row) == 6 for row in rows)
+    for row, figures in zip(rows, found[0].rows, strict=True):
+        assert float(row[1]) == pytest.approx(figures.suppression, rel=0.01)
+        if abs(figures.lag_ms) < 200:
+            assert float(row[2]) == pytest.approx(figures.lag_ms, abs=0.0051)
+        assert float(row[3]) == pytest.approx(figures.distortion, abs=0.0051)
+    page.ask("document.querySelectorAll('#figures th button')[3].click()")
+    by_distortion = sorted(found[0].rows, key=lambda figures: figures.distortion)
+    assert [row[0] for row in page.ask(table)] == [figures.method for figures in by_distortion]
+    # The next channel has figures of its own, sorted as before.
+    page.ask("document.querySelectorAll('#tabs button')[2].click()")
+    other = sorted(found[1].rows[len(METHODS) :], key=lambda figures: figures.distortion)
+    assert [row[0] for row in page.ask(table)] == [figures.method for figures in other]
+    assert page.errors == []
+
+
+def test_a_method_of_a_comparison_is_shown_as_it_was_and_hidden_when_pressed(page, compared):
+    path, found = compared
+    page.open(path)
+    page.settle()
+    stretch = next(s for s in found[0].stretches if s.title == "where it moves most")
+    shown = page.ask("Array.from(stillrate.plots.motion.series.find(s => s.name === 'pt1').y)")
+    np.testing.assert_allclose(shown, stretch.clean["pt1"], atol=stretch.sigma_dps / 64)
+    names = "stillrate.plots.motion.shown.map(s => s.name)"
+    assert page.ask(names) == ["raw", "ms-imm-ikf", "pt1", "one-euro"]
+    page.ask("document.querySelector('#figures tr[data-method=fir] button').click()")
+    page.ask("document.querySelector('#figures tr[data-method=pt1] button').click()")
+    assert page.ask(names) == ["raw", "ms-imm-ikf", "one-euro", "fir"]
+    assert page.errors == []
+
+
+def test_a_log_that_never_rests_and_what_never_settles_have_their_words(page, tmp_path):
+    t = np.arange(4000) / 100.0
+    log = sr.Log(t_s=t, rate_dps=80.0 * np.sin(9.0 * t), channels=("gz_dps",))
+    found = comparison.Compared("<b>swing", log, *compare_with_stretches(log, ("pt1", "ar-kf")))
+    comparison.write_page(tmp_path / "swing.html", [found])
+    page.open(tmp_path / "swing.html")
+    assert "never rests" in page.ask("document.getElementById('outside').textContent")
+    assert page.ask("document.getElementById('gain').hidden && document.getElementById('rest').hidden")
+    assert "never" in page.ask("document.querySelector('#figures tr[data-method=ar-kf]').textContent")
+    assert page.ask("document.querySelector('h1').textContent").endswith("<b>swing")
     assert page.errors == []
 
 

@@ -24,8 +24,19 @@ NEAR = Row(study="bank", quantity="rms", published="2", ours=2.1, unit="deg/s", 
 
 
 @pytest.fixture(scope="module")
-def rows() -> list[Row]:
-    return [row for _, found in run(STUDIES, short=True) for row in found]
+def told() -> dict[str, tuple[list[Row], list[float]]]:
+    """Rows of every study in the short form, and what it told of its progress."""
+    found = {}
+    for name in STUDIES:
+        parts: list[float] = []
+        [(_, rows)] = run([name], short=True, advance=parts.append)
+        found[name] = (rows, parts)
+    return found
+
+
+@pytest.fixture(scope="module")
+def rows(told: dict[str, tuple[list[Row], list[float]]]) -> list[Row]:
+    return [row for rows, _ in told.values() for row in rows]
 
 
 def committed() -> list[dict[str, object]]:
@@ -78,6 +89,13 @@ def test_every_study_has_rows_and_every_missing_figure_a_reason(rows: list[Row])
     assert {row.study for row in rows} == set(STUDIES)
     assert all(row.reason for row in rows if row.verdict == NOT_REPRODUCIBLE)
     assert len({(row.study, row.quantity) for row in rows}) == len(rows)
+
+
+def test_every_study_tells_how_far_it_is(told: dict[str, tuple[list[Row], list[float]]]) -> None:
+    for name, (_, parts) in told.items():
+        assert parts and parts == sorted(set(parts)), name
+        assert parts[0] > 0 and parts[-1] <= 1, name
+    assert len(told["gimbal"][1]) > 20  # the longest of them
 
 
 def test_an_infinite_figure_is_written_as_a_word() -> None:

@@ -29,6 +29,10 @@ COST_PIECE = 1000
 REST_RATIO = 2.0
 """A stretch that scatters more than so many times the noise is not at rest."""
 
+# A picture shows so much of a log at rest and where it moves most, within bounds on its samples.
+STRETCH_S = 3.0
+STRETCH_SAMPLES = (100, 3000)
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -58,8 +62,43 @@ class Comparison:
     cost_ns: float
 
 
+@dataclass(frozen=True)
+class Stretch:
+    """A few seconds of one channel, as each method saw them.
+
+    Attributes
+    ----------
+    channel, title : str
+    where : slice
+        The samples of the log.
+    sigma_dps : float
+        Scatter of the noise that the methods were given.
+    raw : ndarray
+    clean : dict of str to ndarray
+        By method.
+    """
+
+    channel: str
+    title: str
+    where: slice
+    sigma_dps: float
+    raw: Floats
+    clean: dict[str, Floats]
+
+
 def compare(log: Log, names: tuple[str, ...] = ()) -> list[Comparison]:
     """Run methods (all when none is named) over a log.
+
+    Raises
+    ------
+    ConfigError
+        If a method is unknown.
+    """
+    return compare_with_stretches(log, names)[0]
+
+
+def compare_with_stretches(log: Log, names: tuple[str, ...] = ()) -> tuple[list[Comparison], list[Stretch]]:
+    """Do the same, and keep what a picture needs: each method at rest and where the log moves most.
 
     Raises
     ------
@@ -69,7 +108,9 @@ def compare(log: Log, names: tuple[str, ...] = ()) -> list[Comparison]:
     known = methods()
     for name in names:
         method_class(name)
-    found = []
+    names = tuple(dict.fromkeys(names)) or tuple(known)
+    found: list[Comparison] = []
+    stretches: list[Stretch] = []
     figures = noise_from_log(log.rate_dps, log.sample_rate_hz)
     for index, channel in enumerate(log.channels):
         raw = np.ascontiguousarray(log.rate_dps[:, index])
@@ -78,16 +119,42 @@ def compare(log: Log, names: tuple[str, ...] = ()) -> list[Comparison]:
             rate_random_walk_dps_sqrt_s=figures[index].rate_random_walk_dps_sqrt_s,
         )
         rest: slice | None = figures[index].quiet
-        if metrics.rms_about_mean(raw[rest]) > REST_RATIO * noise.density_dps_sqrt_hz * math.sqrt(log.sample_rate_hz):
+        sigma = noise.density_dps_sqrt_hz * math.sqrt(log.sample_rate_hz)
+        if metrics.rms_about_mean(raw[rest]) > REST_RATIO * sigma:
             rest = None
-        for name in names or tuple(known):
+        seen = [
+            Stretch(channel, title, where, sigma, raw[where], {}) for title, where in _stretches(log, raw, rest).items()
+        ]
+        for name in names:
             config = known[name](sample_rate_hz=log.sample_rate_hz, noise=noise)
-            found.append(_one(log, channel, raw, config, noise, rest))
+            clean = Filter(config).run(raw, dt_s=log.steps_s())
+            found.append(_one(log, channel, raw, clean, config, noise, rest))
+            for stretch in seen:
+                stretch.clean[name] = clean[stretch.where].copy()
+        stretches += seen
+    return found, stretches
+
+
+def _stretches(log: Log, raw: Floats, rest: slice | None) -> dict[str, slice]:
+    """Return the middle of the rest and the stretch that scatters most."""
+    fewest, most = STRETCH_SAMPLES
+    count = min(len(raw), max(fewest, min(most, round(STRETCH_S * log.sample_rate_hz))))
+    found = {}
+    if rest is not None:
+        length = min(count, rest.stop - rest.start)
+        begin = (rest.start + rest.stop - length) // 2
+        found["at rest"] = slice(begin, begin + length)
+    starts = range(0, len(raw) - count + 1, max(1, count // 2))
+    present = [begin for begin in starts if np.isfinite(raw[begin : begin + count]).any()]
+    if present:
+        begin = max(present, key=lambda at: metrics.rms_about_mean(raw[at : at + count]))
+        found["where it moves most"] = slice(begin, begin + count)
     return found
 
 
-def _one(log: Log, channel: str, raw: Floats, config: Config, noise: GyroNoise, rest: slice | None) -> Comparison:
-    clean = Filter(config).run(raw, dt_s=log.steps_s())
+def _one(
+    log: Log, channel: str, raw: Floats, clean: Floats, config: Config, noise: GyroNoise, rest: slice | None
+) -> Comparison:
     sigma = noise.density_dps_sqrt_hz * math.sqrt(log.sample_rate_hz)
     moving = np.ones(len(raw), dtype=bool)
     suppression = math.nan

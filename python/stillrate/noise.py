@@ -119,14 +119,7 @@ class GyroNoise:
     def from_log(cls, z: Any, *, sample_rate_hz: float) -> GyroNoise:
         """Measure the noise in a log; with several channels, the largest figures of those that were at rest.
 
-        See `noise_from_log` for what was measured, where, and whether motion dominates.
-
-        Raises
-        ------
-        LogError
-            If a channel holds fewer than 8 usable samples.
-        ConfigError
-            If the sample rate is out of range.
+        See `noise_from_log` for what was measured, where, whether motion dominates, and what is refused.
 
         Examples
         --------

@@ -1,13 +1,13 @@
 #!/bin/sh
 # Unpacks what the firmware tests need into target/embedded/toolchain, without touching the system: Debian's matched pair of
-# rustc and its library sources (rustup offers no bare-metal target everywhere), an Arm C compiler and the emulator.
+# rustc and its library sources (rustup offers no bare-metal target everywhere), C compilers for both Arms and the emulators.
 # Exits with 3 where the packages cannot be had; the tests are then skipped.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 tools="$root/target/embedded/toolchain"
 [ -e "$tools/.complete" ] && exit 0
 mkdir -p "$tools/archives/partial"
-packages="rustc-web rust-web-src qemu-system-arm gcc-arm-none-eabi"
+packages="rustc-web rust-web-src qemu-system-arm gcc-arm-none-eabi qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross"
 command -v apt-get > /dev/null && command -v dpkg > /dev/null || { echo "no Debian packages here"; exit 3; }
 # Downloads just what this machine lacks, dependencies included.
 nice apt-get install --yes --quiet --download-only --no-install-recommends -o Debug::NoLocking=true \

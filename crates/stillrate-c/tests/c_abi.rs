@@ -11,31 +11,47 @@ use stillrate_lab::runner::{Precision, build, method_names};
 use stillrate_lab::settings_map::{SettingsMap, Value};
 
 /// Samples of the replayed log.
-const SAMPLES: usize = 10_000;
+const SAMPLES: usize = 10_240;
 
 fn settings() -> SettingsMap {
     let number = |name: &str, value| (name.to_string(), Value::Number(value));
     SettingsMap::from([number("sample_rate_hz", 50.0), number("noise.density_dps_sqrt_hz", 0.0151)])
 }
 
-/// A log with motion, noise, missing samples, spikes, repeated stamps and gaps.
-fn log() -> Vec<(f64, f64)> {
-    let mut bits = 1_u64;
-    (0..SAMPLES)
+/// The log of `tests/embedded/unit.c`: motion, noise, missing samples, spikes, repeated stamps and gaps.
+fn log<T: Real>(period_s: T) -> Vec<Sample<T>> {
+    (0..SAMPLES as u32)
         .map(|k| {
-            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let noise = (bits >> 40) as f64 / f64::from(1 << 24) - 0.5;
-            let swing = if k % 3000 > 1000 { 30.0 * (0.07 * k as f64).sine_cosine().0 } else { 0.0 };
-            match k % 1009 {
-                500 => (f64::NAN, 0.02),
-                600 => (1e4, 0.02),
-                700 => (swing + noise, 0.0),
-                800 => (swing + noise, 0.137),
-                900 if k > 9000 => (swing + noise, 11.0),
-                _ => (swing + noise, 0.02),
-            }
+            let mut bits = (k + 1).wrapping_mul(2_654_435_761);
+            bits ^= bits >> 15;
+            let noise = (f64::from(bits & 1023) - 512.0) / 1024.0;
+            let swing = if (k / 512) % 2 == 1 { f64::from(k % 512) * 0.125 } else { 0.0 };
+            let value = match (k % 509, k % 1531) {
+                (_, 1000) => 16_384.0,
+                (300, _) => f64::NAN,
+                _ => noise + swing,
+            };
+            let dt = match (k % 701, k % 811, k) {
+                (400, _, _) => T::ZERO,
+                (_, 500, _) => T::of(2.5) * period_s,
+                (_, _, 7000) => T::of(11.0),
+                _ => period_s,
+            };
+            Sample { value: T::of(value), dt }
         })
         .collect()
+}
+
+/// FNV-1a, as in `tests/embedded/unit.c`.
+fn sum(words: impl Iterator<Item = u32>) -> u32 {
+    words.fold(2_166_136_261, |sum, word| (sum ^ word).wrapping_mul(16_777_619))
+}
+
+/// The line of `tests/embedded/bits.txt` for a filter: what every language and machine must find.
+fn committed(name: &str) -> Option<String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/embedded/bits.txt");
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines().find(|line| line.split(' ').next() == Some(name)).map(str::to_string)
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -45,18 +61,22 @@ fn folder(name: &str) -> PathBuf {
 }
 
 /// Bytes that the C program must print for the log.
-fn expected<S: Settings, T: Real>(samples: &[(f64, f64)]) -> (Vec<u8>, Vec<u8>) {
-    let filter = stillrate_lab::settings_map::from_map::<S>(&settings()).unwrap().build::<T>().unwrap();
+fn expected<S: Settings, T: Real>(name: &str, settings: &SettingsMap) -> (Vec<u8>, Vec<u8>) {
+    let filter = stillrate_lab::settings_map::from_map::<S>(settings).unwrap().build::<T>().unwrap();
     let mut state = filter.start();
-    let (mut input, mut output) = (Vec::new(), Vec::new());
-    for &(value, dt) in samples {
-        let sample = Sample { value: T::of(value), dt: T::of(dt) };
+    let (mut input, mut output, mut rates, mut flags) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for sample in log(filter.period()) {
         let estimate = filter.step(&mut state, sample);
         input.extend_from_slice(&sample.value.to_little_endian()[..T::BYTES]);
         input.extend_from_slice(&sample.dt.to_little_endian()[..T::BYTES]);
+        rates.extend_from_slice(&estimate.rate.to_little_endian()[..T::BYTES]);
         output.extend_from_slice(&estimate.rate.to_little_endian()[..T::BYTES]);
         output.extend_from_slice(&estimate.flags.0.to_le_bytes());
+        flags.push(estimate.flags.0);
     }
+    let rates = sum(rates.into_iter().map(u32::from));
+    let found = format!("{name} 0 {rates:08x} {:08x}", sum(flags.into_iter()));
+    assert_eq!(Some(found), committed(name), "run `sh tests/embedded/run.sh --update` if the bits are meant to change");
     (input, output)
 }
 
@@ -79,16 +99,18 @@ fn compile(folder: &Path, name: &str, real: &str) -> PathBuf {
     program
 }
 
-fn replays<S: Settings, T: Real>() {
+/// `form` tells another configuration of the same filter from the default one.
+fn replays<S: Settings, T: Real>(form: &str, settings: &SettingsMap) {
     let (suffix, real, precision) =
         if T::BYTES == 4 { ("f32", "float", Precision::Single) } else { ("f64", "double", Precision::Double) };
-    let name = format!("stillrate_{}_{suffix}", S::METHOD.replace('-', "_"));
+    let function = format!("stillrate_{}_{suffix}", S::METHOD.replace('-', "_"));
+    let name = format!("stillrate_{}{form}_{suffix}", S::METHOD.replace('-', "_"));
     let folder = folder(&name);
-    let files = export(S::METHOD, &settings(), precision).unwrap();
+    let files = export(S::METHOD, settings, precision).unwrap();
     std::fs::write(folder.join("stillrate_config.h"), files.config_h).unwrap();
     std::fs::write(folder.join("stillrate_selftest.h"), files.selftest_h).unwrap();
-    let program = compile(&folder, &name, real);
-    let (input, output) = expected::<S, T>(&log());
+    let program = compile(&folder, &function, real);
+    let (input, output) = expected::<S, T>(&name, settings);
     let mut running = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let mut pipe = running.stdin.take().unwrap();
     let feeder = std::thread::spawn(move || pipe.write_all(&input).unwrap());
@@ -102,13 +124,33 @@ fn replays<S: Settings, T: Real>() {
 macro_rules! every_method {
     ($($name:ident),* $(,)?) => { $( #[allow(non_snake_case)] mod $name {
         #[test]
-        fn replays_a_log_from_c_to_the_same_bits() {
-            super::replays::<stillrate::filters::$name, f32>();
-            super::replays::<stillrate::filters::$name, f64>();
+        fn replays_a_log_from_c_to_the_same_bits_in_single_precision() {
+            super::replays::<stillrate::filters::$name, f32>("", &super::settings());
+        }
+
+        #[test]
+        fn replays_a_log_from_c_to_the_same_bits_in_double_precision() {
+            super::replays::<stillrate::filters::$name, f64>("", &super::settings());
         }
     } )* };
 }
 stillrate::methods!(every_method);
+
+fn light_bank() -> SettingsMap {
+    let mut light = settings();
+    light.insert("oscillators".into(), Value::List(Vec::new()));
+    light
+}
+
+#[test]
+fn light_bank_replays_a_log_from_c_to_the_same_bits_in_single_precision() {
+    replays::<stillrate::filters::MsImmIkfSettings, f32>("_light", &light_bank());
+}
+
+#[test]
+fn light_bank_replays_a_log_from_c_to_the_same_bits_in_double_precision() {
+    replays::<stillrate::filters::MsImmIkfSettings, f64>("_light", &light_bank());
+}
 
 #[test]
 fn header_and_function_list_are_those_of_the_sources() {

@@ -60,18 +60,17 @@ pub(crate) fn predict_singer<T: Real>(
     }
 }
 
-/// Mixes the states of two Singer models, the first with weight `w`, and predicts the mixture; the noise is part of `step`.
+/// Mixes the states of two Singer models by their weights and predicts the mixture; the noise is part of `step`. Symmetric, to the bit.
 ///
 /// The predicted variance of the rate is what everything waits for. It is linear in the sources' covariances, so each source is
-/// carried forward first, while `w` is still being computed; the rest is mixed, then carried.
+/// carried forward first, while the weights are still being computed; the rest is mixed, then carried.
 #[inline(always)]
 pub(crate) fn mix_ahead<T: Real>(
-    w: T,
+    [w, v]: [T; 2],
     a: &Gaussian2<T>,
     b: &Gaussian2<T>,
     step: &SingerCoefficients<T>,
 ) -> Gaussian2<T> {
-    let v = T::ONE - w;
     let spread = w * v;
     let d: [T; 2] = core::array::from_fn(|k| a.mean[k] - b.mean[k]);
     let ahead = |p: &[T; 3]| p[0] + step.r * (p[1] + (p[1] + step.r * p[2])) + step.q11;

@@ -44,10 +44,9 @@ def command(
     confidence
         Probability inside each interval.
     """
-    from rich import box
     from rich.console import Console
-    from rich.table import Table
 
+    from stillrate.tables import plain_table
     from stillrate.tuning import allan_of
 
     if not 0 < confidence < 1:
@@ -55,10 +54,8 @@ def command(
     refuse_taken([path for path in (json, picture) if path], force=force)
     log = reading.read(source)
     found = {name: allan_of(log, index, confidence=confidence) for index, name in enumerate(log.channels)}
-    table = Table(title=f"{source.name}: {100 * confidence:g} % intervals", box=box.SIMPLE_HEAD, title_justify="left")
-    table.add_column("channel")
-    for title in _FIGURES.values():
-        table.add_column(title, justify="right")
+    title = f"{source.name}: {100 * confidence:g} % intervals"
+    table = plain_table(title, ("channel", *_FIGURES.values()), words=("channel",))
     for name, curve in found.items():
         figures = [getattr(curve, figure) for figure in _FIGURES]
         table.add_row(name, *(f"{figure.value:.3g}  [{figure.lower:.3g}, {figure.upper:.3g}]" for figure in figures))

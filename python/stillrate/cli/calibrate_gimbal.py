@@ -126,16 +126,14 @@ def _write(path: Path, found: Calibration, method: str, *, force: bool) -> None:
 
 
 def _show(found: Calibration, method: str, written: list[Path]) -> None:
-    from rich import box
     from rich.console import Console
-    from rich.table import Table
 
     from stillrate.report.gimbal import unit
+    from stillrate.tables import plain_table
 
     console = Console(stderr=True)
-    table = Table(title=f"gimbal calibration, {method}", box=box.SIMPLE_HEAD, title_justify="left")
-    for name in ("coefficient", "value", "1 sigma", "unit"):
-        table.add_column(name, justify="right" if name in ("value", "1 sigma") else "left")
+    heads = ("coefficient", "value", "1 sigma", "unit")
+    table = plain_table(f"gimbal calibration, {method}", heads, words=("coefficient", "unit"))
     for name, value, deviation in zip(found.names, found.coefficients, found.standard_deviation, strict=True):
         label, factor = unit(name)
         spread = f"{deviation * factor:.2g}" if deviation else "held"

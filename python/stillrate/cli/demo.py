@@ -84,19 +84,15 @@ def _picture(path: Path, done: Cleaned) -> None:
 
 
 def _table(rows: list[Row], rate: float) -> Table:
-    from rich import box
-    from rich.table import Table
+    from stillrate.tables import plain_table
 
-    table = Table(
-        title=f"At rest for 60 s; 2 Hz waves that die down; steps. {rate:g} Hz, noise and seed the same for all.",
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
+    table = plain_table(
+        f"At rest for 60 s; 2 Hz waves that die down; steps. {rate:g} Hz, noise and seed the same for all.",
+        ("filter", "at rest\ndeg/s", "in waves\ndeg/s", "calm after\ndeg/s", "lag\nms", "settling\ns"),
+        words=("filter",),
         caption="RMS errors against the true rate of the sensor. Calm: from 12 s after the waves. The last row knows"
         " the wave model and its parameters beforehand; the others do not.",
-        caption_justify="left",
     )
-    for name in ("filter", "at rest\ndeg/s", "in waves\ndeg/s", "calm after\ndeg/s", "lag\nms", "settling\ns"):
-        table.add_column(name, justify="left" if name == "filter" else "right")
     for row in rows:
         bold = "bold" if "default" in row.name else ""
         settling = {math.isnan(row.settling_s): "-", math.isinf(row.settling_s): "never"}.get(

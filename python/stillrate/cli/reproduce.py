@@ -96,9 +96,14 @@ def _rows(names: list[str], console: Console, folder: Path | None, *, short: boo
     rows: list[Row] = []
     with Progress(*columns, console=errors, transient=True) as progress:
         task = progress.add_task(names[0], total=len(names))
-        for done, (_, found) in enumerate(run(names, short=short), start=1):
-            rows += found
-            progress.update(task, completed=done, description=names[done] if done < len(names) else "done")
+        for done, name in enumerate(names):
+            progress.update(task, completed=done, description=name)
+
+            def advance(part: float, done: int = done) -> None:
+                progress.update(task, completed=done + part)
+
+            for _, found in run([name], short=short, advance=advance):
+                rows += found
     _print(rows, console)
     console.print(", ".join(f"{count} {verdict}" for verdict, count in counts(rows).items()), highlight=False)
     if folder is not None:

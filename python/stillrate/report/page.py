@@ -1,6 +1,6 @@
 """The report page: data and viewer in one HTML file.
 
-The viewer is a few hundred lines of our own (`plot.js`, `touch.js`, `page.js`) rather than a plot library of megabytes:
+The viewer is a few hundred lines of our own (`plot.js`, `touch.js`, `unpack.js`, `page.js`) rather than a plot library of megabytes:
 the page of a short log stays small enough for a phone, and a long log is embedded whole, so that zooming ends at the
 sample.
 """
@@ -8,20 +8,16 @@ sample.
 from __future__ import annotations
 
 import html
-import json
-import platform
-from importlib import resources
 from pathlib import Path
-from string import Template
 from typing import Any
 
 import numpy as np
 
-from stillrate import __version__
 from stillrate.cleaning import Cleaned, View
 from stillrate.io.safely import atomic
 from stillrate.report import figures
 from stillrate.report.packing import pack
+from stillrate.report.shell import as_json, assemble, table
 
 MAX_PAGE_BYTES = 7_500_000
 """Samples are packed more coarsely until the page is smaller."""
@@ -48,33 +44,25 @@ def render(done: Cleaned) -> str:
     found = figures.axis_figures(done)
     coarse = 1.0
     while True:
-        data = json.dumps(_data(done, found, coarse), separators=(",", ":"), allow_nan=False)
+        data = as_json(_data(done, found, coarse))
         if len(data) < MAX_PAGE_BYTES or coarse > 1e6:
             break
         coarse *= 2.0
-    source = str(done.raw.meta.get("source", "log"))
     log = done.raw
-    lead = (
-        f"{len(log):,} samples over {log.t_s[-1] - log.t_s[0]:.6g} s at {log.sample_rate_hz:.6g} Hz, "
-        f"filtered with {next(iter(done.configs.values())).method}."
-    )
     step = max(figure.before_dps for figure in found) * coarse / _FINEST
-    parts = {
-        "title": html.escape(f"{source}: before and after"),
-        "lead": html.escape(lead),
-        "css": _asset("page.css"),
-        "table": _table(done, found),
-        "notes": _notes(done),
-        "precision": f"Raw values are shown to {step:.2g} deg/s." if np.isfinite(step) else "",
-        "versions": html.escape(f"stillrate {__version__}, numpy {np.__version__}, Python {platform.python_version()}"),
-        "data": data.replace("</", "<\\/"),
-        "script": "\n".join(_asset(name) for name in ("plot.js", "touch.js", "page.js")),
-    }
-    return Template(_asset("page.html")).substitute(parts)
-
-
-def _asset(name: str) -> str:
-    return resources.files("stillrate.report").joinpath(name).read_text(encoding="utf-8")
+    return assemble(
+        title=f"{log.meta.get('source', 'log')}: before and after",
+        lead=f"{len(log):,} samples over {log.t_s[-1] - log.t_s[0]:.6g} s at {log.sample_rate_hz:.6g} Hz, "
+        f"filtered with {next(iter(done.configs.values())).method}.",
+        body="page.html",
+        parts={
+            "table": _table(found),
+            "notes": _notes(done),
+            "precision": f"Raw values are shown to {step:.2g} deg/s." if np.isfinite(step) else "",
+        },
+        data=data,
+        scripts=("plot.js", "touch.js", "unpack.js", "page.js"),
+    )
 
 
 def _data(done: Cleaned, found: list[figures.AxisFigures], coarse: float) -> dict[str, Any]:
@@ -155,7 +143,7 @@ def model_names(config: Any, count: int) -> list[str]:
     return names if len(names) == count else [f"model {k + 1}" for k in range(count)]
 
 
-def _table(done: Cleaned, found: list[figures.AxisFigures]) -> str:
+def _table(found: list[figures.AxisFigures]) -> str:
     head = (
         "channel",
         "noise density (deg/s)/√Hz",
@@ -168,8 +156,8 @@ def _table(done: Cleaned, found: list[figures.AxisFigures]) -> str:
     for figure in found:
         cells = [html.escape(cell) for cell in figure.cells()]
         cells[4] = f"<strong>{cells[4]}</strong>"
-        rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
-    return "<table><tr>" + "".join(f"<th>{name}</th>" for name in head) + "</tr>" + "".join(rows) + "</table>"
+        rows.append(cells)
+    return table(head, rows)
 
 
 def _notes(done: Cleaned) -> str:

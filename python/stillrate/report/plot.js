@@ -46,12 +46,14 @@ class Plot {
 
   set(series) {
     this.series = series;
-    this.legend.replaceChildren(...series.map(s => {
+    this.legend.replaceChildren(...(this.options.points ? [] : series).map(s => {
       const b = document.createElement("button");
       b.textContent = s.name; b.style.setProperty("--c", css(s.colour)); b.setAttribute("aria-pressed", "true");
+      b.classList.toggle("dashed", Boolean(s.dash && s.dash.length));
       b.onclick = () => {
         this.hidden.has(s.name) ? this.hidden.delete(s.name) : this.hidden.add(s.name);
         b.setAttribute("aria-pressed", String(!this.hidden.has(s.name))); this.draw();
+        if (this.toggled) this.toggled();
       };
       if (this.hidden.has(s.name)) b.setAttribute("aria-pressed", "false");
       return b;
@@ -99,6 +101,7 @@ class Plot {
     this.fit(); this.axes(c);
     c.save(); c.beginPath(); c.rect(MARGIN.left, MARGIN.top, this.width, this.height); c.clip();
     for (const s of this.shown) this.line(c, s);
+    this.labels(c);
     this.marks(c);
     c.restore();
     this.cursor(c);
@@ -107,8 +110,9 @@ class Plot {
 
   line(c, s) {
     const [from, to] = this.window(s);
-    c.strokeStyle = c.fillStyle = css(s.colour); c.lineWidth = s.wide || 1.25; c.lineJoin = "round"; c.beginPath();
-    if (to - from > 3 * this.width) { this.extent(c, s, from, to); return; }
+    c.strokeStyle = c.fillStyle = css(s.colour); c.lineWidth = s.wide || 1.25; c.lineJoin = "round";
+    c.setLineDash(s.dash || []); c.beginPath();
+    if (to - from > 3 * this.width) { c.setLineDash([]); this.extent(c, s, from, to); return; }
     let pen = false;
     for (let i = from; i < to; i++) {
       const v = this.value(s.y[i]);
@@ -116,15 +120,44 @@ class Plot {
       const x = this.toX(s.x[i]), y = this.toY(v);
       pen ? c.lineTo(x, y) : c.moveTo(x, y); pen = true;
     }
-    c.stroke();
+    c.stroke(); c.setLineDash([]);
     if ((to - from) * 7 < this.width || s.dots) {
       c.beginPath();
       for (let i = from; i < to; i++) {
         const v = this.value(s.y[i]);
-        if (isFinite(v)) { const x = this.toX(s.x[i]), y = this.toY(v); c.moveTo(x + 2.2, y); c.arc(x, y, 2.2, 0, 7); }
+        if (isFinite(v)) { const x = this.toX(s.x[i]), y = this.toY(v), r = s.label ? 4 : 2.2; c.moveTo(x + r, y); c.arc(x, y, r, 0, 7); }
       }
       c.fill();
     }
+  }
+
+  // Names beside single points, each where it covers no other name and no point.
+  labels(c) {
+    const points = this.shown.filter(s => s.label).map(s => ({ s, x: this.toX(s.x[0]), y: this.toY(this.value(s.y[0])) }));
+    const taken = points.map(p => [p.x - 5, p.y - 5, p.x + 5, p.y + 5]);
+    c.font = `${this.width < 500 ? 10 : 12}px system-ui, sans-serif`; c.textBaseline = "middle"; c.textAlign = "left";
+    for (const p of points) {
+      const wide = c.measureText(p.s.name).width, free = [];
+      for (const reach of [8, 20, 34, 52, 74])
+        for (const [side, up] of [[1, 0], [-1, 0], [0, -1], [0, 1], [1, -0.8], [1, 0.8], [-1, -0.8], [-1, 0.8], [0.5, 1], [0.5, -1]]) {
+          const x = p.x + side * reach - (side < 0 ? wide : side ? 0 : wide / 2), y = p.y + up * (reach + 6);
+          free.push([x, y - 7, x + wide, y + 7]);
+        }
+      const inside = b => b[0] > MARGIN.left && b[2] < MARGIN.left + this.width && b[1] > MARGIN.top && b[3] < MARGIN.top + this.height;
+      const clear = b => taken.every(t => b[2] < t[0] || b[0] > t[2] || b[3] < t[1] || b[1] > t[3]);
+      const box = free.find(b => inside(b) && clear(b));
+      if (!box) continue; // The readout names it.
+      taken.push(box); p.box = box;
+    }
+    c.lineWidth = 1; c.strokeStyle = css("--ink"); c.globalAlpha = 0.45;
+    for (const { x, y, box } of points.filter(p => p.box)) {
+      const [endX, endY] = [Math.max(box[0] - 2, Math.min(x, box[2] + 2)), Math.max(box[1] + 1, Math.min(y, box[3] - 1))];
+      const far = Math.hypot(endX - x, endY - y);
+      if (far < 14) continue;
+      c.beginPath(); c.moveTo(x + (endX - x) * 5 / far, y + (endY - y) * 5 / far); c.lineTo(endX, endY); c.stroke();
+    }
+    c.globalAlpha = 1; c.fillStyle = css("--strong");
+    for (const { s, box } of points.filter(p => p.box)) c.fillText(s.name, box[0], (box[1] + box[3]) / 2);
   }
 
   // Many samples a pixel: a stroke from the least to the greatest of each pixel column.
@@ -191,6 +224,7 @@ class Plot {
     c.strokeStyle = css("--ink"); c.globalAlpha = 0.4; c.beginPath(); c.moveTo(x, MARGIN.top);
     c.lineTo(x, MARGIN.top + this.height); c.stroke(); c.globalAlpha = 1;
     const words = [];
+    if (this.options.points) { this.readout.textContent = this.nearest(at); return; }
     for (const s of this.shown) {
       let i = this.find(s, at);
       if (i > 0 && (i >= s.y.length || at - s.x[i - 1] < s.x[i] - at)) i--;
@@ -200,6 +234,11 @@ class Plot {
       }
     }
     this.readout.textContent = words.join("   ");
+  }
+
+  nearest(at) {
+    const far = s => Math.abs(s.x[0] - at), s = this.shown.reduce((a, b) => far(b) < far(a) ? b : a, this.shown[0]);
+    return s ? `${s.name}: ${short(s.y[0])} ×   ${short(this.options.logX ? 10 ** s.x[0] : s.x[0])} ${this.options.xUnit}` : "\u00a0";
   }
 }
 

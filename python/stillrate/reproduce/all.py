@@ -11,6 +11,7 @@ from typing import Any
 
 from stillrate import __version__
 from stillrate.io.safely import atomic
+from stillrate.reproduce.progress import Advance, unwatched
 from stillrate.reproduce.row import VERDICTS, Row
 
 FORMAT = 1
@@ -52,11 +53,11 @@ STUDIES = {
 """The studies by name, in the order of the page."""
 
 
-def run(names: Iterable[str], *, short: bool = False) -> Iterator[tuple[str, list[Row]]]:
-    """Run studies one after the other and yield the rows of each."""
+def run(names: Iterable[str], *, short: bool = False, advance: Advance = unwatched) -> Iterator[tuple[str, list[Row]]]:
+    """Run studies one after the other and yield the rows of each; `advance` is told the part of each that is done."""
     for name in names:
         study = STUDIES[name]
-        yield name, study.find(study.rows)(short)
+        yield name, study.find(study.rows)(short, advance)
 
 
 def counts(rows: Sequence[Row]) -> dict[str, int]:

@@ -18,6 +18,7 @@ from stillrate import Filter, Flags, GyroNoise, MsImmIkfPaper, simulate
 from stillrate.config import Config
 from stillrate.methods import ArKf, SingerImmKf, SingerKf
 from stillrate.metrics import rms_about_mean
+from stillrate.reproduce.progress import Advance, unwatched
 from stillrate.reproduce.row import Row, around
 
 RATE_HZ = 50.0
@@ -96,10 +97,14 @@ def printed_survives(seeds: int = SEEDS) -> float:
     return survived / seeds
 
 
-def rows(short: bool = False) -> list[Row]:
+def rows(short: bool = False, advance: Advance = unwatched) -> list[Row]:
     """Return every published figure of the filter section beside ours; it takes a second, so both forms are the same."""
     seeds = SEEDS
-    rest, waves, printed = at_rest(), in_waves(), printed_survives()
+    rest = at_rest()
+    advance(0.3)
+    waves = in_waves()
+    advance(0.8)
+    printed = printed_survives()
     effort = f"{seeds} seeds of 60 s"
     reasons = dict.fromkeys(PUBLISHED, ASSUMED) | {
         "MS-IMM-IKF": f"{ASSUMED}; single runs from {rest.spread_dps[0]:.4f} to {rest.spread_dps[1]:.4f} deg/s, its model of rest "

@@ -10,12 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stillrate import _native
 from stillrate.gimbal import Head, bound, trajectory
+from stillrate.reproduce.progress import Advance, parts, unwatched
 from stillrate.reproduce.row import Row, around
 
 if TYPE_CHECKING:
@@ -134,15 +136,11 @@ def _summary(case: str, method: str, draws: list[dict[str, Any]]) -> Summary:
 
 def reproduce(draws: int = 20, seed: int = 1001) -> Iterator[Table | str]:
     """Yield one table a start, a sentence on each published claim, and what disturbances do."""
-    from rich import box
-    from rich.table import Table
-
     from stillrate.reproduce import gimbal_disturbances as disturbances
+    from stillrate.tables import plain_table
 
     def table(title: str, columns: tuple[str, ...], rows: list[list[str]]) -> Table:
-        found = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
-        for column in columns:
-            found.add_column(column, justify="left" if column in ("method", "disturbance") else "right")
+        found = plain_table(title, columns, words=("method", "disturbance"), padding=(0, 1))
         for row in rows:
             found.add_row(*row)
         return found
@@ -181,7 +179,7 @@ def kappa_by_chance(limit_percent: float = 0.9, draws: int = 20) -> str:
     )
 
 
-def study(draws: int = 20, seed: int = 1001) -> Reproduction:
+def study(draws: int = 20, seed: int = 1001, advance: Advance = unwatched) -> Reproduction:
     """Run the study.
 
     Parameters
@@ -190,19 +188,21 @@ def study(draws: int = 20, seed: int = 1001) -> Reproduction:
         Draws of coefficients and noise, the same for all methods.
     seed : int
         Seed of the first draw; the others follow.
+    advance : callable
+        Is told the part that is done.
     """
     if draws < 1:
         raise ValueError(f"draws = {draws} (must be 1 or more)")
     seeds = [seed + i for i in range(draws)]
     lines: list[Summary] = []
     recommended: dict[str, list[dict[str, Any]]] = {}
-    for case, (start, sigma) in CASES.items():
-        for name, (method, reference) in METHODS.items():
-            head = Head(reference=reference, every=1)  # type: ignore[arg-type]
-            found = _native.gimbal_study(method, start, seeds, {"sigma_m_s2": sigma}, head.settings())
-            lines.append(_summary(case, name, found))
-            if method == "relinearised":
-                recommended[case] = found
+    for case, name in parts(list(product(CASES, METHODS)), advance, end=0.9):
+        (start, sigma), (method, reference) = CASES[case], METHODS[name]
+        head = Head(reference=reference, every=1)  # type: ignore[arg-type]
+        found = _native.gimbal_study(method, start, seeds, {"sigma_m_s2": sigma}, head.settings())
+        lines.append(_summary(case, name, found))
+        if method == "relinearised":
+            recommended[case] = found
     large = []
     for name in ("recursive Gauss-Newton", "on-line, second order", "first-order single loop"):
         method, reference = METHODS[name]
@@ -227,9 +227,9 @@ def _spread(found: dict[str, list[dict[str, Any]]]) -> float:
     return worst
 
 
-def rows(short: bool = False) -> list[Row]:
+def rows(short: bool = False, advance: Advance = unwatched) -> list[Row]:
     """Return the claims of the calibration paper beside ours; the short form draws 3 times."""
-    return list(study(3 if short else 20).claims)
+    return list(study(3 if short else 20, advance=advance).claims)
 
 
 def _claims(lines: list[Summary], large: list[Summary], spread: float, draws: int) -> tuple[Row, ...]:

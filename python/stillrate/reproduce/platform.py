@@ -26,6 +26,7 @@ from stillrate.platform.study import (
 from stillrate.platform.tables import fixed_table
 from stillrate.platform.tuning import VALIDATION_SEEDS, families
 from stillrate.platform.tuning import Row as Measured
+from stillrate.reproduce.progress import Advance, parts, unwatched
 from stillrate.reproduce.row import NOT_REPRODUCED, REPRODUCED, Row, around
 
 PUBLISHED_TILTS: dict[str, tuple[float, ...]] = {
@@ -64,24 +65,23 @@ class Found:
     seeds: tuple[int, ...]
 
 
-def study(seeds: int = SEEDS) -> Found:
+def study(seeds: int = SEEDS, advance: Advance = unwatched) -> Found:
     """Measure the shipped designs of the paper's filters on validation seeds."""
     setup = Setup()
     chosen = [
         d for d in SHIPPED if d.family in PUBLISHED_TILTS and d.budget_percent == BUDGET_PERCENT and d.plant == PLATFORM
     ]
     used = tuple(VALIDATION_SEEDS[:seeds])
-    return Found(
-        [measure(design, setup=setup, seeds=used) for design in chosen if design.sample_rate_hz == 50.0],
-        tuple(fixed_test(setup, seeds=used)),
-        {design.family: _final_errors(design) for design in chosen},
-        used,
-    )
+    at_50_hz = [design for design in chosen if design.sample_rate_hz == 50.0]
+    results = [measure(design, setup=setup, seeds=used) for design in parts(at_50_hz, advance, end=0.5)]
+    fixed = tuple(fixed_test(setup, seeds=used))
+    finals = {design.family: _final_errors(design) for design in parts(chosen, advance, begin=0.9)}
+    return Found(results, fixed, finals, used)
 
 
-def rows(short: bool = False) -> list[Row]:
+def rows(short: bool = False, advance: Advance = unwatched) -> list[Row]:
     """Return table 1, figures 12-13 and the claims of the servo section; the short form uses 2 seeds."""
-    found = study(SHORT_SEEDS if short else SEEDS)
+    found = study(SHORT_SEEDS if short else SEEDS, advance)
     return [*_figures(found), *_claims(found)]
 
 

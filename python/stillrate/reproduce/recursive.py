@@ -14,6 +14,7 @@ from rich.table import Table
 
 from stillrate import _native, attitude, closed_forms
 from stillrate.bias import reference_bias
+from stillrate.reproduce.progress import Advance, unwatched
 from stillrate.reproduce.row import Row
 
 JUDGING_SEEDS = (20_261, 20_262, 20_263)
@@ -67,15 +68,18 @@ def claims(bench: dict[str, Any], steady: list[dict[str, Any]], effort: str = ""
     ]  # fmt: skip
 
 
-def rows(short: bool = False) -> list[Row]:
+def rows(short: bool = False, advance: Advance = unwatched) -> list[Row]:
     """Return the claims on filters; the short form judges on 1 seed and tunes the rival by a fifth of the draws."""
     seeds, draws = (JUDGING_SEEDS[:1], DRAWS // 5) if short else (JUDGING_SEEDS, DRAWS)
-    return claims(adaptive(draws, seeds), responses(), f"{len(seeds)} seed{'s' * (len(seeds) > 1)}")
+    bench = adaptive(draws, seeds)
+    advance(0.9)
+    return claims(bench, responses(), f"{len(seeds)} seed{'s' * (len(seeds) > 1)}")
 
 
-def two_point_rows(short: bool = False) -> list[Row]:
+def two_point_rows(short: bool = False, advance: Advance = unwatched) -> list[Row]:
     """Return the claims on the bias from two fixes; nothing is drawn, so both forms are the same."""
     fixes = two_fixes()
+    advance(1.0)
     exact = max(abs(e) for motion, method, error in fixes if method == "exact" for e in error)
     small = max(abs(e) for motion, method, error in fixes if method == "small-angle" for e in error)
     floor = _floor_deg_h(0.3, 2.5)

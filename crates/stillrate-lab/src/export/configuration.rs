@@ -72,8 +72,9 @@ where
     (rust.text, rust.depth) = (String::new(), 0);
     filter.outline(&mut rust);
     let version = env!("CARGO_PKG_VERSION");
-    let about =
-        format!("{} at {} Hz in {suffix}, exported by stillrate {version}.", S::METHOD, 1.0 / filter.period().widen());
+    // As many digits as either number type has for sure.
+    let sample_rate_hz = (1.0 / filter.period().widen()) as f32;
+    let about = format!("{} at {sample_rate_hz} Hz in {suffix}, exported by stillrate {version}.", S::METHOD);
     let config_h = format!(
         "/* {about} Generated; do not edit. */
 #ifndef STILLRATE_CONFIG_H

@@ -5,9 +5,10 @@
 //! 41 (1954); Gustafsson, Adaptive Filtering and Change Detection, chapter 3. Best where the rate jumps; `variable-forgetting` is best where it flows.
 
 use crate::error::{ConfigError, not_negative, positive};
-use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
-use crate::filters::recursive::level::{LevelState, Seen};
-use crate::filters::recursive::memory::{Memory, check_memory, tau_of, visit_memory};
+use crate::filter::{Estimate, Flags, Observer, Sample};
+use crate::filters::recursive::innovation::Innovation;
+use crate::filters::recursive::level::LevelState;
+use crate::filters::recursive::memory::{Forgetting, Memory, check_memory, tau_of, visit_memory};
 use crate::filters::recursive::paced::Paced;
 use crate::noise::{GyroNoise, range};
 use crate::plain;
@@ -142,34 +143,18 @@ impl<T: Real> CusumForgettingState<T> {
     }
 }
 
-impl<T: Real> Filter<T> for CusumForgetting<T> {
+impl<T: Real> Paced for CusumForgetting<T> {
+    type Number = T;
     type State = CusumForgettingState<T>;
 
-    fn start(&self) -> CusumForgettingState<T> {
+    fn begin(&self) -> CusumForgettingState<T> {
         CusumForgettingState { mean: LevelState::start(), gain: T::ONE, upward: T::ZERO, downward: T::ZERO }
     }
 
-    fn period(&self) -> T {
+    fn nominal_s(&self) -> T {
         self.period_s
     }
 
-    #[inline(always)]
-    fn observe<O: Observer<T>>(
-        &self,
-        state: &mut CusumForgettingState<T>,
-        sample: Sample<T>,
-        observer: &mut O,
-    ) -> Estimate<T> {
-        self.follow::<false, O>(state, sample, observer)
-    }
-
-    #[inline(always)]
-    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        self.tile_paced(lanes, tile, dt);
-    }
-}
-
-impl<T: Real> Paced<T> for CusumForgetting<T> {
     #[inline(always)]
     fn follow<const NOMINAL: bool, O: Observer<T>>(
         &self,
@@ -179,24 +164,17 @@ impl<T: Real> Paced<T> for CusumForgetting<T> {
     ) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
         let usable = checked.present && !state.mean.empty();
-        let innovation = checked.value - state.mean.level;
-        let innovation_scale = self.sigma * (T::ONE + state.gain).root();
-        let alarm = state.detect(innovation / innovation_scale, self.drift, self.threshold, usable);
-        let loss = if NOMINAL || checked.dt == self.period_s {
-            self.loss
-        } else {
-            -(-checked.dt / self.tau_s).exponential_less_one()
-        };
-        let loss = T::select(checked.moves, loss, T::ZERO);
+        let innovation = Innovation::new(&checked, state.mean.level, self.sigma, state.gain);
+        let alarm = state.detect(innovation.scaled(), self.drift, self.threshold, usable);
+        let forgetting = Forgetting { period_s: self.period_s, loss: self.loss, tau_s: self.tau_s };
+        let loss = forgetting.loss_over::<NOMINAL>(&checked);
         let mean = &mut state.mean;
         mean.weigh(loss, checked.present);
         mean.weight_low = T::select(alarm && mean.weight > self.samples_kept, T::ZERO, mean.weight_low);
         mean.weight = T::select(alarm, mean.weight.least(self.samples_kept), mean.weight);
         let gain = mean.correct(checked.value, checked.present);
         state.gain = T::select(checked.present, gain, state.gain);
-        let innovation_variance = innovation_scale * innovation_scale;
-        let forgetting_factor = T::ONE - loss;
-        mean.tell(observer, Seen { present: checked.present, innovation, innovation_variance, forgetting_factor });
+        innovation.tell(observer, T::ONE - loss, mean.level);
         let estimate = mean.estimate(mean.noise_gain * self.sample_variance, &checked);
         Estimate { flags: estimate.flags.with(Flags::CHANGE.when(alarm)), ..estimate }
     }

@@ -9,17 +9,16 @@
 //! with 2.5 times the variance at the same lambda and 13 % overshoot.
 
 use crate::error::{ConfigError, positive};
-use crate::filter::{Checked, Estimate, Filter, Observer, Sample};
+use crate::filter::{Checked, Estimate, Observer, Sample};
+use crate::filters::recursive::averaging::{Averaging, Forgotten, Sensor};
 use crate::filters::recursive::level::{LevelState, Seen};
 use crate::filters::recursive::line::LineState;
-use crate::filters::recursive::memory::{Memory, check_memory, factor_of, visit_memory};
-use crate::filters::recursive::paced::Paced;
-use crate::glide::{self, Glide};
+use crate::filters::recursive::memory::{Forgetting, Memory, check_memory, factor_of, visit_memory};
+use crate::filters::recursive::paced::{Paced, step_paced};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::real::Real;
 use crate::reals;
-use crate::reals::Lane;
 use crate::settings::{Settings, Visit, visit_noise};
 
 /// Default memory in seconds: 1.6 Hz at -3 dB, noise down by 16 dB at 200 Hz.
@@ -105,82 +104,30 @@ plain! {
 }
 
 impl<T: Real> WeightedMean<T> {
-    /// 1 - lambda over the step that passed; 0 where no time did.
     #[inline(always)]
-    fn loss_over<const NOMINAL: bool>(&self, checked: &Checked<T>) -> T {
-        let loss = if NOMINAL || checked.dt == self.period_s {
-            self.loss
-        } else {
-            -(-checked.dt / self.tau_s).exponential_less_one()
-        };
-        T::select(checked.moves, loss, T::ZERO)
+    fn forgetting(&self) -> Forgetting<T> {
+        Forgetting { period_s: self.period_s, loss: self.loss, tau_s: self.tau_s }
     }
 }
 
-impl<T: Real> Filter<T> for WeightedMean<T> {
-    type State = LevelState<T>;
-
-    fn start(&self) -> LevelState<T> {
-        LevelState::start()
-    }
-
-    fn period(&self) -> T {
-        self.period_s
-    }
+impl<T: Real> Averaging for WeightedMean<T> {
+    type Number = T;
 
     #[inline(always)]
-    fn observe<O: Observer<T>>(&self, state: &mut LevelState<T>, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
-        self.follow::<false, O>(state, sample, observer)
-    }
-
-    #[inline(always)]
-    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        glide::tile(self, lanes, tile, dt);
-    }
-}
-
-impl<T: Real> Glide<T> for WeightedMean<T> {
-    type Wide<const W: usize> = LevelState<Lane<T, W>>;
-
-    #[inline(always)]
-    fn runs(&self, state: &LevelState<T>) -> bool {
-        state.settled(self.loss)
+    fn sensor(&self) -> Sensor<T> {
+        Sensor { period_s: self.period_s, sample_variance: self.sample_variance, limit: self.limit }
     }
     #[inline(always)]
-    fn limit(&self) -> T {
-        self.limit
+    fn nominal_loss(&self, _state: &LevelState<T>) -> T {
+        self.loss
     }
     #[inline(always)]
-    fn glide(&self, state: &mut LevelState<T>, value: T) -> T {
-        state.glide(value)
+    fn forget<const NOMINAL: bool>(&self, state: &LevelState<T>, checked: &Checked<T>) -> Forgotten<T> {
+        Forgotten { loss: self.forgetting().loss_over::<NOMINAL>(checked), variance_ratio: state.noise_gain }
     }
     #[inline(always)]
-    fn margin(&self, state: &LevelState<T>) -> T {
-        glide::margin(state.level)
-    }
-    #[inline(always)]
-    fn full<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        self.tile_paced(lanes, tile, dt);
-    }
-}
-
-impl<T: Real> Paced<T> for WeightedMean<T> {
-    #[inline(always)]
-    fn follow<const NOMINAL: bool, O: Observer<T>>(
-        &self,
-        state: &mut LevelState<T>,
-        sample: Sample<T>,
-        observer: &mut O,
-    ) -> Estimate<T> {
-        let checked = sample.check(self.limit, self.period_s);
-        let loss = self.loss_over::<NOMINAL>(&checked);
-        let innovation = checked.value - state.level;
-        let innovation_variance = self.sample_variance * (T::ONE + state.noise_gain);
-        state.weigh(loss, checked.present);
-        state.correct(checked.value, checked.present);
-        let forgetting_factor = T::ONE - loss;
-        state.tell(observer, Seen { present: checked.present, innovation, innovation_variance, forgetting_factor });
-        state.estimate(state.noise_gain * self.sample_variance, &checked)
+    fn variance(&self, state: &LevelState<T>) -> T {
+        state.noise_gain * self.sample_variance
     }
 }
 
@@ -229,51 +176,30 @@ impl<T: Real> RecursiveLeastSquares<T> {
         let config = &self.mean;
         let checked = sample.check(config.limit, config.period_s);
         let passage = line.pass(&checked, config.period_s);
-        let loss = config.loss_over::<NOMINAL>(&checked);
+        let loss = config.forgetting().loss_over::<NOMINAL>(&checked);
         let innovation_variance = config.sample_variance * (T::ONE + line.noise_gain());
         line.age(passage.periods, T::ONE - loss);
         let innovation = checked.value - line.level;
         line.correct(checked.value, checked.present);
         let forgetting_factor = T::ONE - loss;
-        let level = LevelState { level: line.level, ..LevelState::start() };
-        level.tell(observer, Seen { present: checked.present, innovation, innovation_variance, forgetting_factor });
+        let seen = Seen { present: checked.present, innovation, innovation_variance, forgetting_factor };
+        seen.tell(observer, line.level);
         line.estimate(config.sample_variance, config.tau_s, config.period_s, &checked, passage.restart)
     }
 }
 
-impl<T: Real> Filter<T> for RecursiveLeastSquares<T> {
+impl<T: Real> Paced for RecursiveLeastSquares<T> {
+    type Number = T;
     type State = RecursiveLeastSquaresState<T>;
 
-    fn start(&self) -> RecursiveLeastSquaresState<T> {
+    fn begin(&self) -> RecursiveLeastSquaresState<T> {
         RecursiveLeastSquaresState { mean: LevelState::start(), line: LineState::start() }
     }
 
-    fn period(&self) -> T {
+    fn nominal_s(&self) -> T {
         self.mean.period_s
     }
 
-    #[inline(always)]
-    fn observe<O: Observer<T>>(
-        &self,
-        state: &mut RecursiveLeastSquaresState<T>,
-        sample: Sample<T>,
-        observer: &mut O,
-    ) -> Estimate<T> {
-        self.follow::<false, O>(state, sample, observer)
-    }
-
-    #[inline(always)]
-    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        if self.order == T::TWO {
-            self.tile_paced(lanes, tile, dt);
-        } else {
-            // The mean's numbers come first in the state, so its own loop runs on them without touching the rest.
-            self.mean.tile(lanes, tile, dt);
-        }
-    }
-}
-
-impl<T: Real> Paced<T> for RecursiveLeastSquares<T> {
     #[inline(always)]
     fn follow<const NOMINAL: bool, O: Observer<T>>(
         &self,
@@ -285,6 +211,16 @@ impl<T: Real> Paced<T> for RecursiveLeastSquares<T> {
             self.follow_line::<NOMINAL, O>(&mut state.line, sample, observer)
         } else {
             self.mean.follow::<NOMINAL, O>(&mut state.mean, sample, observer)
+        }
+    }
+
+    #[inline(always)]
+    fn follow_tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        if self.order == T::TWO {
+            step_paced(self, lanes, tile, dt);
+        } else {
+            // The mean's numbers come first in the state, so its own loop runs on them without touching the rest.
+            self.mean.follow_tile(lanes, tile, dt);
         }
     }
 }

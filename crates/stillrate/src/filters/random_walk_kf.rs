@@ -2,20 +2,18 @@
 //!
 //! x(k+1) = x(k) + w, z = x + v with q = Q/R: K(1) = 1, w <- w + K (x - w), m = K + q, K <- m/(1 + m). Its steady gain is that of
 //! recursive least squares with q = (1 - lambda)^2/lambda; on the way there it is slightly less noisy, at the same
-//! cost. Both are one kernel here (`recursive/level.rs`) with different losses of old weight.
+//! cost. Both are one kernel here (`recursive/averaging.rs`) with different losses of old weight.
 //! Source: DOI 10.7690/bgzdh.2019.03.009; Muth, J. Am. Stat. Assoc. 55 (1960), for the steady state.
 //!
 //! Zero start-up delay: the first output is the first sample. The steady state lags by lambda/(1 - lambda) samples.
 
 use crate::error::{ConfigError, not_negative, positive};
-use crate::filter::{Estimate, Filter, Observer, Sample};
-use crate::filters::recursive::level::{LevelState, Seen};
-use crate::filters::recursive::paced::Paced;
-use crate::glide::{self, Glide};
+use crate::filter::Checked;
+use crate::filters::recursive::averaging::{Averaging, Forgotten, Sensor};
+use crate::filters::recursive::level::LevelState;
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::real::Real;
-use crate::reals::Lane;
 use crate::settings::{Settings, Visit, visit_noise};
 
 /// Settings of [`RandomWalkKf`].
@@ -95,77 +93,27 @@ impl<T: Real> RandomWalkKf<T> {
     }
 }
 
-impl<T: Real> Filter<T> for RandomWalkKf<T> {
-    type State = LevelState<T>;
-
-    fn start(&self) -> LevelState<T> {
-        LevelState::start()
-    }
-
-    fn period(&self) -> T {
-        self.period_s
-    }
+impl<T: Real> Averaging for RandomWalkKf<T> {
+    type Number = T;
 
     #[inline(always)]
-    fn observe<O: Observer<T>>(&self, state: &mut LevelState<T>, sample: Sample<T>, observer: &mut O) -> Estimate<T> {
-        self.follow::<false, O>(state, sample, observer)
-    }
-
-    #[inline(always)]
-    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        glide::tile(self, lanes, tile, dt);
-    }
-}
-
-impl<T: Real> Glide<T> for RandomWalkKf<T> {
-    type Wide<const W: usize> = LevelState<Lane<T, W>>;
-
-    #[inline(always)]
-    fn runs(&self, state: &LevelState<T>) -> bool {
-        // One period's walk is q itself: times one is exact.
-        state.settled(Self::loss(Self::walked(self.variance_ratio, state)))
+    fn sensor(&self) -> Sensor<T> {
+        Sensor { period_s: self.period_s, sample_variance: self.sample_variance, limit: self.limit }
     }
     #[inline(always)]
-    fn limit(&self) -> T {
-        self.limit
+    fn nominal_loss(&self, state: &LevelState<T>) -> T {
+        Self::loss(Self::walked(self.variance_ratio, state))
     }
     #[inline(always)]
-    fn glide(&self, state: &mut LevelState<T>, value: T) -> T {
-        state.glide(value)
-    }
-    #[inline(always)]
-    fn margin(&self, state: &LevelState<T>) -> T {
-        glide::margin(state.level)
-    }
-    #[inline(always)]
-    fn full<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        self.tile_paced(lanes, tile, dt);
-    }
-}
-
-impl<T: Real> Paced<T> for RandomWalkKf<T> {
-    #[inline(always)]
-    fn follow<const NOMINAL: bool, O: Observer<T>>(
-        &self,
-        state: &mut LevelState<T>,
-        sample: Sample<T>,
-        observer: &mut O,
-    ) -> Estimate<T> {
-        let checked = sample.check(self.limit, self.period_s);
+    fn forget<const NOMINAL: bool>(&self, state: &LevelState<T>, checked: &Checked<T>) -> Forgotten<T> {
         // The walk's variance grows with time.
         let periods = if NOMINAL || checked.dt == self.period_s { T::ONE } else { checked.dt / self.period_s };
-        let walk = T::select(checked.moves, self.variance_ratio * periods, T::ZERO);
-        let walked = Self::walked(walk, state);
-        let loss = Self::loss(walked);
-        let innovation = checked.value - state.level;
-        let before = (T::ONE + walked) / state.weight;
-        let innovation_variance =
-            T::select(state.empty(), self.sample_variance, self.sample_variance * (T::ONE + before));
-        state.weigh(loss, checked.present);
-        state.correct(checked.value, checked.present);
-        let forgetting_factor = T::ONE - loss;
-        state.tell(observer, Seen { present: checked.present, innovation, innovation_variance, forgetting_factor });
-        let variance = T::select(state.empty(), T::ZERO, self.sample_variance / state.weight);
-        state.estimate(variance, &checked)
+        let walked = Self::walked(T::select(checked.moves, self.variance_ratio * periods, T::ZERO), state);
+        let variance_ratio = T::select(state.empty(), T::ZERO, (T::ONE + walked) / state.weight);
+        Forgotten { loss: Self::loss(walked), variance_ratio }
+    }
+    #[inline(always)]
+    fn variance(&self, state: &LevelState<T>) -> T {
+        T::select(state.empty(), T::ZERO, self.sample_variance / state.weight)
     }
 }

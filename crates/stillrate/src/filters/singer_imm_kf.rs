@@ -357,7 +357,7 @@ impl<T: Real> SingerImmKf<T> {
         let mut traces = [ModelTrace::default(); 2];
         for i in 0..2 {
             let model = &self.model[i];
-            let predicted = mix_ahead(share[i], &models[0], &models[1], &tempo.step[i]);
+            let predicted = mix_ahead([share[i], T::ONE - share[i]], &models[0], &models[1], &tempo.step[i]);
             let (updated, evidence) = update2(&predicted, &Reading::plain(checked.value, model.measurement_variance));
             next[i] = Gaussian2 {
                 mean: core::array::from_fn(|k| {

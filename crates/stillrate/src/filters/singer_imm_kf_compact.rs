@@ -15,19 +15,26 @@ impl<T: Real> SingerImmKf<T> {
     /// One sample.
     #[inline]
     pub(super) fn compact(&self, state: &mut SingerImmKfState<T>, sample: Sample<T>) -> Estimate<T> {
-        let checked = sample.check(self.limit, self.period_s);
-        state.started = checked.known(state.started);
-        if checked.present && (state.started == T::ZERO || checked.restart) {
-            self.begin(state, checked.value);
+        let mut seen = [T::ZERO; 2];
+        let mut flags = self.look(sample, &mut seen);
+        let [value, unusual] = seen;
+        let (present, restart) = (value.finite(), flags.has(Flags::RESTARTED));
+        if restart && !present {
+            state.started = T::ZERO;
         }
-        let runs = checked.moves && state.started != T::ZERO;
-        if runs {
-            let dt = T::select(checked.restart, self.period_s, checked.dt);
-            // Absent things as numbers that cannot otherwise occur: what is alive over the calls below takes stack.
-            let unusual = T::select(dt == self.period_s, T::ZERO, dt);
-            let value = T::select(checked.present, sample.value, T::of(f64::NAN));
-            self.interact(state, unusual);
+        if present && (restart || state.started == T::ZERO) {
+            self.begin(state, value);
+        }
+        if state.started == T::ZERO {
+            flags = flags.with(Flags::NO_DATA_YET);
+        } else if !flags.has(Flags::BAD_TIME) {
+            let share = self.meet(&mut state.weight);
             let [rest, motion] = &mut state.model;
+            let (before, mut room) = (*rest, self.model[0].step);
+            let step = self.model[0].over_unless_usual(unusual, &mut room);
+            ahead(share[0], true, rest, motion, step);
+            let step = self.model[1].over_unless_usual(unusual, &mut room);
+            ahead(share[1], false, motion, &before, step);
             let [w_rest, w_motion] = &mut state.weight;
             let exponent = carry(rest, w_rest, value, self.model[0].measurement_variance);
             let rise = carry(motion, w_motion, value, self.model[1].measurement_variance) - exponent;
@@ -35,26 +42,28 @@ impl<T: Real> SingerImmKf<T> {
         }
         let [first, _] = normalised(&state.weight);
         let fused = mix2(first, &state.model[0], &state.model[1]);
-        Estimate {
-            rate: fused.mean[0],
-            acceleration: fused.mean[1],
-            variance: fused.covariance[0],
-            flags: checked.flags.with(Flags::NO_DATA_YET.when(state.started == T::ZERO)),
-        }
+        Estimate { rate: fused.mean[0], acceleration: fused.mean[1], variance: fused.covariance[0], flags }
     }
 
-    /// Replaces both models by what is predicted from the mixtures they start from, and their weights by the probabilities before the
-    /// sample.
+    /// The sample's flags. `seen` becomes its value, NaN where there is no usable one, and the time step where it isn't the usual one,
+    /// else 0. A function of its own: in memory the two take less stack over all calls of the step than in registers.
     #[inline(never)]
-    fn interact(&self, state: &mut SingerImmKfState<T>, unusual: T) {
+    fn look(&self, sample: Sample<T>, seen: &mut [T; 2]) -> Flags {
+        let checked = sample.check(self.limit, self.period_s);
+        let dt = T::select(checked.restart, self.period_s, checked.dt);
+        let value = T::select(checked.present, sample.value, T::of(f64::NAN));
+        *seen = [value, T::select(dt == self.period_s, T::ZERO, dt)];
+        checked.flags
+    }
+
+    /// The shares of the first model in both mixtures; leaves the probabilities before the sample.
+    #[inline(never)]
+    fn meet(&self, weight: &mut [T; 2]) -> [T; 2] {
         let [first, second] = self.leave;
         let transition = [[T::ONE - first, first], [second, T::ONE - second]];
-        let share = shares(&transition, &state.weight);
-        state.weight = prior2(&transition, &normalised(&state.weight));
-        let mut room = self.model[0].step;
-        let moved = ahead(share[1], &state.model, self.model[1].over_unless_usual(unusual, &mut room));
-        state.model[0] = ahead(share[0], &state.model, self.model[0].over_unless_usual(unusual, &mut room));
-        state.model[1] = moved;
+        let share = shares(&transition, weight);
+        *weight = prior2(&transition, &normalised(weight));
+        share
     }
 
     /// Starts from a sample.
@@ -81,10 +90,13 @@ impl<T: Real> SingerImmModel<T> {
     }
 }
 
-/// What a model predicts from both, the first with weight `w`.
+/// Replaces a model by what is predicted from its mixture with another; `share` is that of the first of the pair, and which of the
+/// two comes first in the sums doesn't change a bit.
 #[inline(never)]
-fn ahead<T: Real>(w: T, models: &[Gaussian2<T>; 2], step: &SingerCoefficients<T>) -> Gaussian2<T> {
-    mix_ahead(w, &models[0], &models[1], step)
+fn ahead<T: Real>(share: T, first: bool, own: &mut Gaussian2<T>, other: &Gaussian2<T>, step: &SingerCoefficients<T>) {
+    let rest = T::ONE - share;
+    let weight = if first { [share, rest] } else { [rest, share] };
+    *own = mix_ahead(weight, own, other, step);
 }
 
 /// Updates one model with a value that is not NaN, in place. Multiplies its weight by the likelihood's factor and gives its exponent.

@@ -9,12 +9,13 @@
 //! doubles the noise that passes at rest, twice the true one adds 60 % error in motion.
 
 use crate::error::{ConfigError, between, not_negative, positive};
-use crate::filter::{Checked, Estimate, Filter, Observer, Sample};
+use crate::filter::{Checked, Estimate, Observer, Sample};
 use crate::filters::hmm_rls::{RecursiveLeastSquaresState, check_order};
-use crate::filters::recursive::level::{LevelState, Seen};
+use crate::filters::recursive::innovation::Innovation;
+use crate::filters::recursive::level::LevelState;
 use crate::filters::recursive::line::LineState;
 use crate::filters::recursive::memory::{check_factor, tau_of};
-use crate::filters::recursive::paced::Paced;
+use crate::filters::recursive::paced::{Paced, step_paced};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::real::Real;
@@ -218,18 +219,15 @@ impl<T: Real> VariableForgetting<T> {
         observer: &mut O,
     ) -> Estimate<T> {
         let checked = sample.check(self.limit, self.period_s);
-        let usable = checked.present && !state.sums.mean.empty();
-        let innovation = checked.value - state.sums.mean.level;
-        let innovation_scale = (T::ONE + state.gain).root() * self.sigma;
-        state.smoothed = self.smooth(state.smoothed, innovation / innovation_scale, usable);
-        let factor = self.forgetting_factor::<NOMINAL>(state.smoothed, &checked);
         let mean = &mut state.sums.mean;
+        let usable = checked.present && !mean.empty();
+        let innovation = Innovation::new(&checked, mean.level, self.sigma, state.gain);
+        state.smoothed = self.smooth(state.smoothed, innovation.scaled(), usable);
+        let factor = self.forgetting_factor::<NOMINAL>(state.smoothed, &checked);
         mean.weigh(T::ONE - factor, checked.present);
         let gain = mean.correct(checked.value, checked.present);
         state.gain = T::select(checked.present, gain, state.gain);
-        let innovation_variance = innovation_scale * innovation_scale;
-        let seen = Seen { present: checked.present, innovation, innovation_variance, forgetting_factor: factor };
-        mean.tell(observer, seen);
+        innovation.tell(observer, factor, mean.level);
         mean.estimate(mean.noise_gain * self.sample_variance, &checked)
     }
 
@@ -245,49 +243,31 @@ impl<T: Real> VariableForgetting<T> {
         let passage = line.pass(&checked, self.period_s);
         let usable = checked.present && !line.empty();
         state.smoothed = T::select(passage.restart, T::ZERO, state.smoothed);
-        let innovation = checked.value - (line.level + passage.periods * line.slope);
-        let innovation_scale = (T::ONE + state.gain).root() * self.sigma;
-        state.smoothed = self.smooth(state.smoothed, innovation / innovation_scale, usable);
+        let predicted = line.level + passage.periods * line.slope;
+        let innovation = Innovation::new(&checked, predicted, self.sigma, state.gain);
+        state.smoothed = self.smooth(state.smoothed, innovation.scaled(), usable);
         let factor = self.forgetting_factor::<NOMINAL>(state.smoothed, &checked);
         line.age(passage.periods, factor);
         let gain = line.correct(checked.value, checked.present).level;
         state.gain = T::select(checked.present, gain, state.gain);
-        let innovation_variance = innovation_scale * innovation_scale;
-        let seen = Seen { present: checked.present, innovation, innovation_variance, forgetting_factor: factor };
-        LevelState { level: line.level, ..LevelState::start() }.tell(observer, seen);
+        innovation.tell(observer, factor, line.level);
         line.estimate(self.sample_variance, self.quiet_tau_s, self.period_s, &checked, passage.restart)
     }
 }
 
-impl<T: Real> Filter<T> for VariableForgetting<T> {
+impl<T: Real> Paced for VariableForgetting<T> {
+    type Number = T;
     type State = VariableForgettingState<T>;
 
-    fn start(&self) -> VariableForgettingState<T> {
+    fn begin(&self) -> VariableForgettingState<T> {
         let sums = RecursiveLeastSquaresState { mean: LevelState::start(), line: LineState::start() };
         VariableForgettingState { sums, gain: T::ONE, smoothed: T::ZERO }
     }
 
-    fn period(&self) -> T {
+    fn nominal_s(&self) -> T {
         self.period_s
     }
 
-    #[inline(always)]
-    fn observe<O: Observer<T>>(
-        &self,
-        state: &mut VariableForgettingState<T>,
-        sample: Sample<T>,
-        observer: &mut O,
-    ) -> Estimate<T> {
-        self.follow::<false, O>(state, sample, observer)
-    }
-
-    #[inline(always)]
-    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        self.tile_paced(lanes, tile, dt);
-    }
-}
-
-impl<T: Real> Paced<T> for VariableForgetting<T> {
     #[inline(always)]
     fn follow<const NOMINAL: bool, O: Observer<T>>(
         &self,
@@ -299,6 +279,46 @@ impl<T: Real> Paced<T> for VariableForgetting<T> {
             self.follow_line::<NOMINAL, O>(state, sample, observer)
         } else {
             self.follow_level::<NOMINAL, O>(state, sample, observer)
+        }
+    }
+    #[inline(always)]
+    fn follow_tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        // Once a tile, not once a sample: the order that is not in use then costs nothing.
+        if self.order == T::TWO {
+            step_paced(&OfOrder::<true, T>(*self), lanes, tile, dt);
+        } else {
+            step_paced(&OfOrder::<false, T>(*self), lanes, tile, dt);
+        }
+    }
+}
+
+/// The filter where the compiler knows whether its order is 2.
+#[derive(Clone, Copy, Debug)]
+struct OfOrder<const SECOND: bool, T>(VariableForgetting<T>);
+
+impl<const SECOND: bool, T: Real> Paced for OfOrder<SECOND, T> {
+    type Number = T;
+    type State = VariableForgettingState<T>;
+
+    fn begin(&self) -> VariableForgettingState<T> {
+        self.0.begin()
+    }
+
+    fn nominal_s(&self) -> T {
+        self.0.period_s
+    }
+
+    #[inline(always)]
+    fn follow<const NOMINAL: bool, O: Observer<T>>(
+        &self,
+        state: &mut VariableForgettingState<T>,
+        sample: Sample<T>,
+        observer: &mut O,
+    ) -> Estimate<T> {
+        if SECOND {
+            self.0.follow_line::<NOMINAL, O>(state, sample, observer)
+        } else {
+            self.0.follow_level::<NOMINAL, O>(state, sample, observer)
         }
     }
 }

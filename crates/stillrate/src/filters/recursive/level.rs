@@ -85,22 +85,6 @@ impl<T: Real> LevelState<T> {
         (self.weight > T::ZERO) & (next.weight == self.weight) & (next.weight_low == self.weight_low)
     }
 
-    /// Tells an observer what happened, where it listens.
-    #[inline(always)]
-    pub(crate) fn tell<O: Observer<T>>(&self, observer: &mut O, seen: Seen<T>) {
-        observer.model(
-            0,
-            ModelTrace {
-                probability: T::ONE,
-                innovation: T::select(seen.present, seen.innovation, T::of(f64::NAN)),
-                innovation_variance: seen.innovation_variance,
-                fading: seen.forgetting_factor,
-                alpha: T::ZERO,
-                rate: self.level,
-            },
-        );
-    }
-
     /// The estimate after a sample.
     #[inline(always)]
     pub(crate) fn estimate(&self, variance: T, checked: &Checked<T>) -> Estimate<T> {
@@ -121,4 +105,22 @@ pub(crate) struct Seen<T> {
     pub(crate) innovation: T,
     pub(crate) innovation_variance: T,
     pub(crate) forgetting_factor: T,
+}
+
+impl<T: Real> Seen<T> {
+    /// Tells an observer, where it listens, of this and of the rate after it.
+    #[inline(always)]
+    pub(crate) fn tell<O: Observer<T>>(&self, observer: &mut O, rate: T) {
+        observer.model(
+            0,
+            ModelTrace {
+                probability: T::ONE,
+                innovation: T::select(self.present, self.innovation, T::of(f64::NAN)),
+                innovation_variance: self.innovation_variance,
+                fading: self.forgetting_factor,
+                alpha: T::ZERO,
+                rate,
+            },
+        );
+    }
 }

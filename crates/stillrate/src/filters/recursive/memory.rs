@@ -3,6 +3,7 @@
 //! lambda = exp(-T / tau) with T the sample period; lambda = 1 is an endless memory (tau infinite).
 
 use crate::error::ConfigError;
+use crate::filter::Checked;
 use crate::real::Real;
 use crate::settings::Visit;
 
@@ -49,6 +50,30 @@ pub(crate) fn check_factor(field: &'static str, forgetting_factor: f64) -> Resul
         Ok(forgetting_factor)
     } else {
         Err(ConfigError::new(field, forgetting_factor, "", "above 0 and at most 1"))
+    }
+}
+
+/// How fast a running filter forgets.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Forgetting<T> {
+    /// Nominal sample period, s.
+    pub(crate) period_s: T,
+    /// 1 - lambda over that period.
+    pub(crate) loss: T,
+    /// Memory, s.
+    pub(crate) tau_s: T,
+}
+
+impl<T: Real> Forgetting<T> {
+    /// 1 - lambda over the step that passed, which with `NOMINAL` is the nominal one; 0 where no time did.
+    #[inline(always)]
+    pub(crate) fn loss_over<const NOMINAL: bool>(&self, checked: &Checked<T>) -> T {
+        let loss = if NOMINAL || checked.dt == self.period_s {
+            self.loss
+        } else {
+            -(-checked.dt / self.tau_s).exponential_less_one()
+        };
+        T::select(checked.moves, loss, T::ZERO)
     }
 }
 
