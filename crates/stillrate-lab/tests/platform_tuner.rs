@@ -2,6 +2,7 @@
 
 use stillrate_lab::servo::controller::Controller;
 use stillrate_lab::servo::family::{Family, standard};
+use stillrate_lab::servo::loop_filter::{LoopFilter, linear_equivalent};
 use stillrate_lab::servo::search::{Effort, Range, Score, minimise};
 use stillrate_lab::servo::study::validate;
 use stillrate_lab::servo::trial::{Bench, Design, Trial};
@@ -102,4 +103,16 @@ fn levelling_tells_the_loop_from_its_gyro() {
     // Angle random walk: 0.0152 deg/sqrt(s) over 24 s, 0.074 deg a run.
     assert!((mean(|l| l.error_deg) - 0.48).abs() < 4.0 * 0.074 / 8.0_f64.sqrt(), "{}", mean(|l| l.error_deg));
     assert!(mean(|l| l.own_deg) < 0.03, "{}", mean(|l| l.own_deg));
+}
+
+#[test]
+fn a_second_order_low_pass_counts_as_what_it_is() {
+    let biquad = family("biquad");
+    let (mut equivalent, whole) = linear_equivalent(&biquad.filled(&[2.0]));
+    assert!(whole);
+    let mut own = biquad.build(&[2.0]).unwrap();
+    for k in 0..200 {
+        let rate = f64::from(k % 17) - 8.0;
+        assert!((own.step(rate) - equivalent.step(rate)).abs() < 1e-9, "{k}");
+    }
 }
