@@ -150,13 +150,15 @@ def test_the_camera_gimbal_holds_its_camera() -> None:
 def test_a_small_search_stays_within_its_budget() -> None:
     pt1 = pf.families()["pt1"]
     seen: list[int] = []
-    effort = {"population": 8, "generations": 2, "restarts": 1, "seeds": (1, 2)}
+    effort = {"evaluations": 60, "restarts": 1, "seeds": (1, 2), "check_seeds": (5, 6)}
     found = pf.tune(pt1, 0.2, progress=seen.append, **effort)  # type: ignore[arg-type]
-    assert seen == [8, 16, 24] and found.feasible
+    assert seen[-1] == 60 and found.feasible and found.tried >= 1
     assert found == pf.tune(pt1, 0.2, **effort)  # type: ignore[arg-type]
     # A search that begins with an earlier design cannot end behind it.
-    warm = pf.tune(pt1, 0.2, starts=[(found.controller, found.parameters)], **{**effort, "generations": 0})  # type: ignore[arg-type]
+    warm = pf.tune(pt1, 0.2, starts=[(found.controller, found.parameters)], **{**effort, "evaluations": 4})  # type: ignore[arg-type]
     assert warm.feasible and warm.objective_deg <= found.objective_deg * (1.0 + 1e-9)
+    with pytest.raises(sr.ConfigError, match="evaluations = 3"):
+        pf.tune(pt1, 0.2, **{**effort, "evaluations": 3})  # type: ignore[arg-type]
     with pytest.raises(sr.ConfigError, match="starts"):
         pf.tune(pt1, 0.2, starts=[(found.controller, ())], **effort)  # type: ignore[arg-type]
     # Same numbers again: the search does not depend on threads.
@@ -169,7 +171,7 @@ def test_a_search_can_be_stopped() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        pf.tune(pf.families()["none"], 0.2, population=8, generations=50, seeds=(1,), progress=stop)
+        pf.tune(pf.families()["none"], 0.2, evaluations=400, seeds=(1,), progress=stop)
 
 
 def test_a_describing_function_tells_amplitudes_apart() -> None:
@@ -221,14 +223,30 @@ def test_every_shipped_design_is_quiet_again_after_a_tilt_and_levels() -> None:
     for design in SHIPPED:
         setup = setup_of(design)
         family = pf.families(setup)[design.family]
-        # Seeds of this test's own; rest jitter is heavy-tailed for a filter that opens by itself, so eight of them.
+        # Seeds of this test's own; rest jitter is heavy-tailed for a filter that opens by itself, so many of them.
         row = pf.validate(
-            family, design.controller, design.parameters, setup=setup, seeds=range(31, 39), margin_seeds=0
+            family, design.controller, design.parameters, setup=setup, seeds=range(31, 47), margin_seeds=0
         )
         name = f"{design.family} at {design.budget_percent} %"
         assert row.jitter_percent < 2.0 * row.undisturbed_percent, name
-        # 0.125 deg of it is the gyro's bias over the 25 s; the rest is angle random walk and stiction.
+        if family.linear:
+            assert row.jitter_seeds[2] < 2.0 * row.undisturbed_percent, name
+        # Most of it is the gyro's: bias over 25 s and angle random walk, which scatters by 0.08 deg from seed to seed.
         assert row.levelling_deg[0] <= 0.2, name
+        assert row.levelling_own_deg[0] <= 0.05, name
+
+
+def test_a_better_design_of_a_smaller_budget_stands_for_a_larger_one() -> None:
+    from stillrate.platform.study import Design, carried_over
+
+    def design(budget: float, objective: float, feasible: bool = True) -> Design:
+        return Design("pt1", budget, pf.Controller(), (5.0,), feasible=feasible, objective_deg=objective)
+
+    large, small = design(0.05, 3.0), design(0.02, 2.0)
+    assert [d.objective_deg for d in carried_over([large, small])] == [2.0, 2.0]
+    assert [d.budget_percent for d in carried_over([large, small])] == [0.05, 0.02]
+    assert carried_over([large, design(0.02, 4.0)])[0] == large
+    assert carried_over([large, design(0.02, 1.0, feasible=False)])[0] == large
 
 
 def test_with_the_controller_fixed_the_bank_changes_the_jitter_and_not_the_residual() -> None:

@@ -131,6 +131,33 @@ def test_the_page_says_in_figures_what_swapping_the_filter_does() -> None:
     assert "2 noise seeds" in text
 
 
+def test_goals_are_judged_by_the_figures_beside_them() -> None:
+    from dataclasses import replace
+
+    from stillrate.platform.goals import goals
+
+    shown = study()
+    pt1 = next(result for result in shown.results if result.design.family == "pt1")
+    row = replace(pt1.row, jitter_percent=0.01, max_deg=(1.0,) * 3, rms_deg=(0.7,) * 3)
+
+    def named(family: str, largest: float) -> Any:
+        design = replace(pt1.design, family=family)
+        return replace(pt1, design=design, row=replace(row, max_deg=(largest,) * 3, rms_deg=(0.7 * largest,) * 3))
+
+    bank, rival, biquad = named("ms-imm-ikf+pt1", 1.0), named("one-euro", 1.5), named("biquad", 2.5)
+    judged = {goal.what: goal for goal in goals(replace(shown, results=(bank, rival, biquad), fixed=()))}
+    (linear,) = (goal for what, goal in judged.items() if "best linear" in what)
+    (against,) = (goal for what, goal in judged.items() if what.endswith("largest angle against one-euro"))
+    assert linear.holds and linear.found.startswith("0.40") and not against.holds and against.found.startswith("0.67")
+    assert judged["at 0.05 %: the bank's rms angle against one-euro"].holds
+    # Too loud a design is no rival at the small budget.
+    loud = replace(rival, row=replace(rival.row, jitter_percent=0.03))
+    assert not any(
+        "largest angle against one-euro" in goal.what for goal in goals(replace(shown, results=(bank, loud)))
+    )
+    assert goals(replace(shown, results=(), fixed=())) == []
+
+
 def test_the_findings_are_said_whichever_way_they_come_out() -> None:
     from dataclasses import replace
 

@@ -284,8 +284,9 @@ def servo_tune(
     bench: object,
     family: object,
     budget_percent: float,
-    effort: tuple[int, int, int, int],
+    effort: tuple[int, int, int],
     seeds: _Seeds,
+    checks: _Seeds,
     starts: list[tuple[object, list[float]]],
     progress: object | None,
 ) -> dict[str, Any]: ...

@@ -172,19 +172,21 @@ fn servo_tune<'py>(
     bench: &Bound<'py, PyAny>,
     family: &Bound<'py, PyAny>,
     budget_percent: f64,
-    effort: (usize, usize, usize, u64),
+    effort: (usize, usize, u64),
     seeds: Vec<u64>,
+    checks: Vec<u64>,
     starts: Vec<(Bound<'py, PyAny>, Vec<f64>)>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (bench, family) = (bench_from(bench)?, family_from(family)?);
-    let (population, generations, restarts, seed) = effort;
-    if population < 4 || restarts < 1 {
-        let error = ConfigError::new("population", population as f64, "", "at least 4, with at least 1 restart");
+    let (evaluations, restarts, seed) = effort;
+    if restarts < 1 || evaluations < 4 * restarts {
+        let error =
+            ConfigError::new("evaluations", evaluations as f64, "", "at least 4 for each of at least 1 restart");
         return Err(refused(py, error));
     }
     let starts = starts.iter().map(|(gains, open)| design_from(gains, open.clone())).collect::<PyResult<_>>()?;
-    let task = Task { budget_percent, effort: Effort { population, generations, restarts, seed }, seeds, starts };
+    let task = Task { budget_percent, effort: Effort { evaluations, restarts, seed }, seeds, checks, starts };
     let mut raised = None;
     let found = py.detach(|| {
         tuner::tune(&bench, &family, &task, &mut |done| {
@@ -214,6 +216,7 @@ fn servo_tune<'py>(
     dict.set_item("objective_deg", found.objective_deg)?;
     dict.set_item("feasible", found.feasible)?;
     dict.set_item("restarts_deg", found.restarts_deg)?;
+    dict.set_item("tried", found.tried)?;
     Ok(dict)
 }
 
@@ -251,6 +254,7 @@ fn row_to<'py>(py: Python<'py>, row: &Row) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("delay_margin_ms", row.delay_margin_ms)?;
     dict.set_item("voltage_rms_percent", row.voltage_rms_percent)?;
     dict.set_item("levelling_deg", spread(&row.levelling_deg))?;
+    dict.set_item("levelling_own_deg", spread(&row.levelling_own_deg))?;
     Ok(dict)
 }
 

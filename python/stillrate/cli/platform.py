@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from stillrate.platform import Recorded, Run, Setup
     from stillrate.platform.study import Design, Result, Study
 
-EFFORTS = {"quick": (12, 10, 1), "normal": (16, 40, 2), "thorough": (24, 60, 3)}
-"""Population, generations, restarts of the search: one effort for every filter of a table."""
+EFFORTS = {"quick": (120, 1), "normal": (600, 2), "thorough": (2400, 3)}
+"""Evaluations and restarts of the search: one effort for every filter of a table; the shipped designs had the last."""
 BUDGETS = {"platform": (0.05, 0.02), "gimbal": (0.002,)}
 """Rest jitter allowed where none is given, percent of the supply."""
 
@@ -32,7 +32,7 @@ def command(
     gimbal: Annotated[bool, Parameter(negative="")] = False,
     recording: Path | None = None,
     column: str | None = None,
-    seeds: int = 12,
+    seeds: int = 16,
     report: Path | None = None,
     quiet: Annotated[bool, Parameter(negative="")] = False,
     force: Force = False,
@@ -50,9 +50,9 @@ def command(
     filters
         Names separated by commas; default all.
     tune
-        Tune controller and filter anew, with the same effort for every filter; each begins with its shipped designs.
+        Tune controller and filter anew, with the same effort for every filter; none begins with a design of its own.
     effort
-        quick, normal or thorough.
+        quick, normal or thorough (120, 600 or 2400 evaluations a filter and budget).
     gimbal
         A small camera gimbal at 200 Hz in place of the 30 kg platform.
     recording
@@ -60,7 +60,7 @@ def command(
     column
         Its column; default the first rate.
     seeds
-        Validation seeds, 2 to 12.
+        Validation seeds, 2 to 16.
     report
         Write a page with pictures and an animation (HTML).
     quiet
@@ -73,8 +73,8 @@ def command(
 
     if effort not in EFFORTS:
         raise UsageError(f"--effort {effort} (must be one of {', '.join(EFFORTS)})")
-    if not 2 <= seeds <= 12:
-        raise UsageError(f"--seeds {seeds} (must be from 2 to 12)")
+    if not 2 <= seeds <= 16:
+        raise UsageError(f"--seeds {seeds} (must be from 2 to 16)")
     refuse_taken([report] if report else [], force=force)
     setup = Setup.camera_gimbal() if gimbal else Setup(sample_rate_hz=rate)
     motion = _recorded(recording, column, setup) if recording is not None else None
@@ -108,7 +108,7 @@ def _designs(
 
     from stillrate.platform import families
     from stillrate.platform.shipped import SHIPPED
-    from stillrate.platform.study import tune_all
+    from stillrate.platform.study import carried_over, tune_all
 
     wanted = [name.strip() for name in names.split(",")] if names else list(families(setup))
     unknown = [name for name in wanted if name not in families(setup)]
@@ -120,9 +120,8 @@ def _designs(
         if not chosen:
             raise UsageError("no shipped design for this rate, budget and filter: add --tune")
         return chosen
-    population, generations, restarts = EFFORTS[effort]
     budgets = budgets or list(BUDGETS[plant])
-    each = population * (generations + 1) * restarts
+    each = EFFORTS[effort][0]
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     found: list[Design] = []
     with Progress(*columns, console=console) as bar:
@@ -134,10 +133,8 @@ def _designs(
                 def step(family: str, done: int, before: float = before, budget: float = budget) -> None:
                     bar.update(task, completed=before + done, description=f"tuning {family} at {budget:g} %")
 
-                found += tune_all(
-                    [name], budget, setup=setup, effort=EFFORTS[effort], progress=step, known_designs=known
-                )
-    return found
+                found += tune_all([name], budget, setup=setup, effort=EFFORTS[effort], progress=step, plant=plant)
+    return carried_over(found)
 
 
 def _measured(setup: Setup, designs: list[Design], seeds: int, motion: Recorded | None, console: Console) -> Study:
@@ -160,7 +157,7 @@ def _measured(setup: Setup, designs: list[Design], seeds: int, motion: Recorded 
         recorded = tuple((_name(design), show(design, motion, setup=setup, duration_s=length)) for design in looked_at)
     fixed = tuple(fixed_test(setup, seeds=chosen)) if setup.sample_rate_hz == 50.0 else ()
     described = tuple(describing_test(setup)) if setup.sample_rate_hz == 50.0 else ()
-    notes = tuple(dict.fromkeys(text for _, run in (*runs, *recorded) for text in run.warnings))
+    notes = tuple(dict.fromkeys(f"{name}: {text}" for name, run in (*runs, *recorded) for text in run.warnings))
     return Study(
         setup=setup,
         results=results,
@@ -192,13 +189,16 @@ def _show(study: Study) -> None:
     from rich.console import Console
 
     from stillrate.platform.findings import findings
-    from stillrate.platform.tables import fixed_table, results_table, tilts_table
+    from stillrate.platform.tables import fixed_table, goals_table, results_table, tilts_table
 
     out = Console(width=165, soft_wrap=True)
     out.print(results_table(study))
     out.print(tilts_table(study))
     if study.fixed:
         out.print(fixed_table(study))
+    judged = goals_table(study)
+    if judged.row_count:
+        out.print(judged)
     for text in findings(study.results):
         out.print(text, highlight=False, markup=False)
     for name, run in study.recorded:

@@ -60,6 +60,6 @@ def _platform(index: int, name: str) -> str:
         f"<g class='top' style='fill:{ink}'><rect x='-70' y='-35' width='140' height='10' rx='3'/>"
         "<rect x='-16' y='-57' width='32' height='22' rx='4'/></g>"
         "<circle class='hub' cx='0' cy='-30' r='5'/>"
-        "<text class='read' x='0' y='68' text-anchor='middle' font-size='13'></text></svg>"
+        "<text class='read' x='0' y='68' text-anchor='middle' font-size='15'></text></svg>"
         f"<figcaption>{escape(name)}</figcaption></figure>"
     )

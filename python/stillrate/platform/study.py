@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from stillrate.errors import ConfigError
 from stillrate.platform.model import Base, Controller, Link, Setup
@@ -44,8 +44,12 @@ class Design:
     feasible: bool = True
     evaluations: int = 0
     """Search effort that found it; compare only designs of like effort closely."""
+    restarts_deg: tuple[float, ...] = ()
+    """What each restart of that search reached, rms deg: their spread says how far it can be trusted."""
     plant: str = PLATFORM
     """`PLATFORM` or `GIMBAL`."""
+    objective_deg: float = float("inf")
+    """Residual (rms) on the search's seeds: by it designs are chosen, nothing else."""
 
 
 def setup_of(design: Design) -> Setup:
@@ -63,6 +67,16 @@ class Result:
     added_deg: tuple[float, float]
     """Error (rms) added by integrating the filter's output over 70 s: base motion, and a slow 0.2 deg/s swing."""
 
+    @property
+    def recovery(self) -> float:
+        """Rest jitter after a tilt on the worst seed over the undisturbed one of all."""
+        return self.row.jitter_seeds[2] / max(self.row.undisturbed_percent, 1e-12)
+
+    @property
+    def reached(self) -> str:
+        """What each restart of the search reached, rms deg, as text."""
+        return " ".join(f"{value:.2f}" if value < float("inf") else "none" for value in self.design.restarts_deg)
+
 
 @dataclass(frozen=True)
 class Study:
@@ -78,29 +92,34 @@ class Study:
     notes: tuple[str, ...] = field(default=())
     seeds: int = len(VALIDATION_SEEDS)
 
+    @property
+    def effort(self) -> str:
+        """How hard each design was searched for: equal effort is a claim, so it is checked."""
+        each = sorted({result.design.evaluations for result in self.results})
+        if len(each) > 1:
+            return f"with searches of {each[0]} to {each[-1]} evaluations"
+        return f"every one with a search of {each[0] if each else 0} evaluations"
+
 
 def tune_all(
     names: Sequence[str],
     budget_percent: float,
     *,
     setup: Setup,
-    effort: tuple[int, int, int],
+    effort: tuple[int, int],
     progress: Callable[[str, int], None],
-    known_designs: Sequence[Design] = (),
+    plant: str = PLATFORM,
 ) -> list[Design]:
-    """Tune families with one effort (population, generations, restarts), each beginning with its own known designs."""
+    """Tune families with one effort (evaluations, restarts), none of them beginning with a design of its own."""
     known = families(setup)
-    evaluations = effort[0] * (effort[1] + 1) * effort[2]
     designs = []
     for name in names:
         found = tune(
             _family(known, name),
             budget_percent,
             setup=setup,
-            population=effort[0],
-            generations=effort[1],
-            restarts=effort[2],
-            starts=[(design.controller, design.parameters) for design in known_designs if design.family == name],
+            evaluations=effort[0],
+            restarts=effort[1],
             progress=lambda done, name=name: progress(name, done),  # type: ignore[misc]
         )
         designs.append(
@@ -111,11 +130,24 @@ def tune_all(
                 found.parameters,
                 setup.sample_rate_hz,
                 found.feasible,
-                evaluations,
-                known_designs[0].plant if known_designs else PLATFORM,
+                effort[0],
+                found.restarts_deg,
+                plant,
+                found.objective_deg,
             )
         )
     return designs
+
+
+def carried_over(designs: Sequence[Design]) -> list[Design]:
+    """Let a filter's better design of a smaller budget stand for a larger one as well: it is within that too."""
+    chosen = []
+    for design in designs:
+        own = [d for d in designs if d.family == design.family and d.budget_percent <= design.budget_percent]
+        best = min((d for d in own if d.feasible), key=lambda d: d.objective_deg, default=design)
+        better = best.objective_deg < design.objective_deg or not design.feasible
+        chosen.append(replace(best, budget_percent=design.budget_percent) if better else design)
+    return chosen
 
 
 def _family(known: dict[str, Family], name: str) -> Family:
@@ -127,7 +159,7 @@ def _family(known: dict[str, Family], name: str) -> Family:
 def measure(design: Design, *, setup: Setup, seeds: Sequence[int] = VALIDATION_SEEDS) -> Result:
     """Measure one design."""
     family = _family(families(setup), design.family)
-    row = validate(family, design.controller, design.parameters, setup=setup, seeds=seeds)
+    row = validate(family, design.controller, design.parameters, setup=setup, seeds=seeds, margin_seeds=len(seeds))
     peaks = tilt_table(
         family,
         design.controller,

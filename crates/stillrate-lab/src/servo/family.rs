@@ -102,7 +102,7 @@ pub fn standard(sample_rate_hz: f64, noise: GyroNoise) -> Vec<Family> {
         (method.to_string(), settings)
     };
     // A discrete low-pass cannot cut above half the rate.
-    let cutoff = logarithmic(0.5, 0.45 * sample_rate_hz);
+    let cutoff = logarithmic(0.2, 0.45 * sample_rate_hz);
     let family = |name: &str, linear: bool, chain: Vec<(String, SettingsMap)>, open: Vec<Tunable>| Family {
         name: name.into(),
         chain,
@@ -123,7 +123,7 @@ pub fn standard(sample_rate_hz: f64, noise: GyroNoise) -> Vec<Family> {
             "one-euro",
             false,
             vec![link("one-euro", &[])],
-            vec![open(0, "minimum_cutoff_hz", logarithmic(0.05, 10.0)), open(0, "beta", logarithmic(1e-3, 3.0))],
+            vec![open(0, "minimum_cutoff_hz", logarithmic(0.005, 10.0)), open(0, "beta", logarithmic(1e-3, 10.0))],
         ),
         family(
             "singer-imm-kf",

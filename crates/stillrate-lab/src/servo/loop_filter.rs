@@ -98,8 +98,8 @@ fn textbook(method: &str, settings: &SettingsMap) -> Result<Option<Discrete>, Se
     }))
 }
 
-/// A chain's linear equivalent for the linearised loop, and whether that is all of it: its last textbook or PT1 filter; every
-/// other filter counts as fully open.
+/// A chain's linear equivalent for the linearised loop, and whether that is all of it: its last textbook, PT1 or second-order
+/// low-pass; every other filter counts as fully open.
 #[must_use]
 pub fn linear_equivalent(chain: &[(String, SettingsMap)]) -> (Discrete, bool) {
     let found: Vec<Discrete> = chain.iter().map(linear_link).filter(|link| *link != Discrete::None).collect();
@@ -119,6 +119,10 @@ fn linear_link((method, settings): &(String, SettingsMap)) -> Discrete {
         ("pt1", Some(rate), Some(cutoff)) => {
             let x = core::f64::consts::TAU * cutoff / rate;
             Discrete::Pt1 { gain: x / (1.0 + x), level: None }
+        }
+        // The library's second-order low-pass has the transfer function of the textbook's unless its quality was set.
+        ("biquad", Some(rate), Some(cutoff)) if number("quality").is_none() => {
+            Discrete::butterworth(rate, cutoff).unwrap_or(Discrete::None)
         }
         _ => Discrete::None,
     }

@@ -66,12 +66,20 @@ pub fn voltage_rms(record: &Record, from_s: f64, period_s: f64, voltage_max_v: f
 /// Mean |theta| over the last `window_s`, deg.
 #[must_use]
 pub fn final_error_deg(record: &Record, window_s: f64, period_s: f64) -> f64 {
+    final_error_against(record, &[], window_s, period_s)
+}
+
+/// Mean |theta + drift| over the last `window_s`, deg, for the angle that a gyro's errors add up to at every tick (0 where the list ends).
+#[must_use]
+pub fn final_error_against(record: &Record, drift_rad: &[f64], window_s: f64, period_s: f64) -> f64 {
     if record.lost_at.is_some() {
         return f64::INFINITY;
     }
     let keep = ((window_s / period_s + 0.5) as usize).max(1);
-    let tail = &record.rows[record.rows.len().saturating_sub(keep)..];
-    DEGREES * tail.iter().map(|row| row[0].magnitude()).sum::<f64>() / tail.len().max(1) as f64
+    let from = record.rows.len().saturating_sub(keep);
+    let drift = drift_rad.iter().skip(from).chain(core::iter::repeat(&0.0));
+    let tail = &record.rows[from..];
+    DEGREES * tail.iter().zip(drift).map(|(row, d)| (row[0] + d).magnitude()).sum::<f64>() / tail.len().max(1) as f64
 }
 
 /// Root mean square of a signal less its centred moving mean, over the ticks of a window for which the mean is whole.

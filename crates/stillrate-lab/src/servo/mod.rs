@@ -5,6 +5,7 @@
 
 pub mod base;
 pub mod controller;
+mod demands;
 pub mod describing;
 pub mod discrete;
 pub mod drift;

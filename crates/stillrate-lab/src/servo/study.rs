@@ -5,11 +5,13 @@ use stillrate::{ConfigError, Real};
 
 use super::family::Family;
 use super::measure;
-use super::trial::{Bench, Design, Trial};
+use super::trial::{Bench, Design, Levelling, Trial};
 use crate::settings_map::SettingsError;
 
 /// Rest after a motion whose integral is judged.
 const SETTLE_S: f64 = 5.0;
+/// Where levelling starts, deg.
+pub(crate) const LEVEL_FROM_DEG: f64 = 20.0;
 
 /// Mean and extremes over seeds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,6 +59,8 @@ pub struct Row {
     pub voltage_rms_percent: f64,
     /// Final levelling error from 20 deg over seeds, deg.
     pub levelling_deg: Spread,
+    /// What of it is the loop's own and not the gyro's drift, deg.
+    pub levelling_own_deg: Spread,
 }
 
 /// What one seed gives.
@@ -68,7 +72,7 @@ struct OneSeed {
     gain: f64,
     delay: f64,
     volts: f64,
-    level: f64,
+    level: Levelling,
 }
 
 /// Measures a design on the given seeds (use some that its tuner did not see). `margins` of them also measure the margins.
@@ -99,7 +103,7 @@ pub fn validate(
                 gain: if wanted { trial.gain_margin(*seed)? } else { f64::INFINITY },
                 delay: if wanted { trial.delay_margin_ms(*seed)? } else { f64::INFINITY },
                 volts: measure::voltage_rms(&sine, super::trial::RESIDUAL_FROM_S, period, bench.plant.voltage_max_v),
-                level: trial.levelling_error_deg(*seed, 20.0)?,
+                level: trial.levelling(*seed, LEVEL_FROM_DEG)?,
             })
         })
         .collect::<Result<_, _>>()?;
@@ -120,7 +124,8 @@ pub fn validate(
         gain_margin: least(column(|m| m.gain)),
         delay_margin_ms: least(column(|m| m.delay)),
         voltage_rms_percent: column(|m| m.volts).iter().sum::<f64>() / measured.len().max(1) as f64,
-        levelling_deg: Spread::of(&column(|m| m.level)),
+        levelling_deg: Spread::of(&column(|m| m.level.error_deg)),
+        levelling_own_deg: Spread::of(&column(|m| m.level.own_deg)),
     })
 }
 

@@ -12,6 +12,7 @@ use super::loop_filter::LoopFilter;
 use super::measure::{self, Residual};
 use super::plant::Plant;
 use super::platform::{GyroErrors, Platform, Record};
+use crate::random::Random;
 use crate::settings_map::SettingsError;
 
 const RADIANS: f64 = core::f64::consts::PI / 180.0;
@@ -26,6 +27,9 @@ const REST_RUN_S: f64 = REST_TO_S + 0.4;
 /// Residual: from 3 s on, when the ramp of 1 s has died out.
 pub(crate) const RESIDUAL_FROM_S: f64 = 3.0;
 const RESIDUAL_RUN_S: f64 = 9.0;
+/// How long levelling may take, and over what time its error is averaged.
+const LEVEL_RUN_S: f64 = 25.0;
+const LEVEL_MEAN_S: f64 = 2.0;
 /// A run is quiet when its rest jitter stays below this many percent of the supply: no limit cycle.
 pub const QUIET_PERCENT: f64 = 1.0;
 /// Factors on kappa and kd that the gain margin tries.
@@ -116,6 +120,22 @@ impl Bench {
 
     fn period(&self) -> f64 {
         1.0 / self.sample_rate_hz
+    }
+
+    /// Where bias and noise of the gyro put the angle, integrated as the controller integrates, at every tick.
+    fn drift_rad(&self, seed: u64, ticks: usize) -> Vec<f64> {
+        let gyro = self.gyro(seed);
+        let mut random = Random::new(gyro.seed, 0);
+        let mut sample = || gyro.bias_rad_s + gyro.white_sigma_rad_s * random.normal();
+        let (mut last, mut angle) = (sample(), 0.0);
+        let mut angles = vec![0.0];
+        for _ in 1..ticks {
+            let next = sample();
+            angle += 0.5 * self.period() * (last + next);
+            last = next;
+            angles.push(angle);
+        }
+        angles
     }
 
     fn sine(&self) -> Base {
@@ -233,14 +253,28 @@ impl<'a> Trial<'a> {
         Ok(measure::residual(&record, 0.0, self.bench.period()).max_deg)
     }
 
-    /// Mean |angle| of the last 2 s after levelling from `start_deg` for 25 s on a base that stands at that angle, deg.
+    /// Levelling from `start_deg` for 25 s on a base that stands at that angle.
     ///
     /// # Errors
     /// As [`Platform::run`].
-    pub fn levelling_error_deg(&mut self, seed: u64, start_deg: f64) -> Result<f64, ConfigError> {
+    pub fn levelling(&mut self, seed: u64, start_deg: f64) -> Result<Levelling, ConfigError> {
         let angle = start_deg * RADIANS;
         let base = Base::Constant { angle_rad: angle };
-        let record = self.bench.run(&self.axis, &mut *self.filter, &base, seed, angle, 25.0)?;
-        Ok(measure::final_error_deg(&record, 2.0, self.bench.period()))
+        let record = self.bench.run(&self.axis, &mut *self.filter, &base, seed, angle, LEVEL_RUN_S)?;
+        let period = self.bench.period();
+        let drift = self.bench.drift_rad(seed, record.rows.len());
+        Ok(Levelling {
+            error_deg: measure::final_error_deg(&record, LEVEL_MEAN_S, period),
+            own_deg: measure::final_error_against(&record, &drift, LEVEL_MEAN_S, period),
+        })
     }
+}
+
+/// What is left after levelling: mean |angle| of the last 2 s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levelling {
+    /// Against the vertical, deg.
+    pub error_deg: f64,
+    /// Against where the gyro's bias and noise, integrated, put the vertical, deg: the loop's own share, which no gyro can excuse.
+    pub own_deg: f64,
 }

@@ -1,45 +1,34 @@
 //! Tunes controller and filter together at a budget of rest jitter, with the same effort for every filter.
 //!
-//! Minimise the residual (rms, 10 deg at 1 Hz) subject to: rest jitter after a tilt within the budget, not above twice the
-//! undisturbed one; quiet rest with gains x1.5 and x2 and with 10 ms more delay; level within 0.2 deg 25 s after a start at 20 deg.
-//! Jitter counts after an excitation and margins are demanded because an adaptive filter tuned at undisturbed rest hides an unstable loop;
-//! levelling is demanded because a search trades it for residual, and because a rough loop aliases in the sampled integral of the rate.
+//! Minimise the residual (rms, 10 deg at 1 Hz) subject to the demands of [`demands`](super::demands): rest jitter after a tilt within the
+//! budget and not twice the undisturbed one, margins, levelling. Jitter counts after an excitation and margins are demanded because an
+//! adaptive filter tuned at undisturbed rest hides an unstable loop; levelling is demanded because a search trades it for residual.
+//! The search ([`minimise`]) sees few seeds and aims a little beyond the demands. What each restart kept is then gone through, best first, on
+//! other seeds, to the first design on which every demand holds; the best of these is the answer. Effort, seeds, gains'
+//! ranges and demands are the same for every filter, and no filter begins with designs unless the caller gives some.
 
-use stillrate::Real;
+use rayon::prelude::*;
 
 use super::controller::Controller;
+use super::demands::{Demands, searched};
 use super::family::Family;
-use super::search::{Effort, Found, Range, Score, minimise};
-use super::trial::{Bench, Design, QUIET_PERCENT, Trial};
+use super::search::{Effort, Found, Range, Score, Scored, minimise};
+use super::trial::{Bench, Design, Trial};
 use crate::settings_map::SettingsError;
 
-/// Search ranges of kappa, Ko, Kvi, kd. Ko stays above 0.3/s: below, 20 deg take longer than 20 s to level, and a tuner would happily trade
-/// levelling for residual.
+/// Search ranges of kappa, Ko, Kvi, kd. Ko stays above 0.3/s: below, 20 deg take longer than 20 s to level.
 pub const GAINS: [Range; 4] = [
-    Range { low: 0.01, high: 4.0, logarithmic: true },
+    Range { low: 0.02, high: 12.0, logarithmic: true },
     Range { low: 0.3, high: 5.0, logarithmic: true },
-    Range { low: 1.0, high: 200.0, logarithmic: true },
-    Range { low: 0.0, high: 0.04, logarithmic: false },
+    Range { low: 0.1, high: 400.0, logarithmic: true },
+    Range { low: 1e-4, high: 0.2, logarithmic: true },
 ];
-/// Gains offered to every filter at the start: the specification's start, and its three published solutions.
-const OFFERED: [[f64; 4]; 4] =
-    [[0.3, 0.4, 75.0, 1e-3], [0.179, 0.3, 72.7, 0.65e-3], [0.681, 0.393, 59.0, 7.7e-3], [1.02, 0.805, 35.2, 1.96e-3]];
-/// Checks of margins: (gain factor, added delay in s, on how many seeds it must stay quiet). Asked for are a gain margin of 2 and a delay
-/// margin of 10 ms; the tuner aims a little beyond, because a loop that is nearly unstable breaks out on some seeds only.
-const DEMANDED: [(f64, f64, usize); 3] = [(2.15, 0.0, 12), (1.0, 0.012, 6), (1.5, 0.0, 1)];
-/// Seeds over which the residual is averaged: an adaptive filter's differs from seed to seed.
-const RESIDUAL_SEEDS: usize = 3;
-/// Where levelling starts, deg; on how many seeds; and the mean error that the tuner aims at (0.2 deg are allowed). Of it 0.125 deg are the
-/// gyro's bias over the run, which no filter can remove.
-const LEVEL_FROM_DEG: f64 = 20.0;
-const LEVEL_SEEDS: usize = 6;
-const AIM_LEVEL_DEG: f64 = 0.175;
-/// Seeds on which rest after a tilt is compared with undisturbed rest.
-const REST_SEEDS: usize = 8;
-/// The tuner aims below the budget: its seeds are few, and the jitter of other seeds scatters.
-const AIM: f64 = 0.95;
-/// Where "less than twice the undisturbed jitter" is aimed at, for the same reason.
-const AIM_RATIO: f64 = 1.8;
+/// Designs of a restart that are tried on the check seeds, at most.
+const TRIED: usize = 80;
+/// Check seeds that are run at once.
+const GROUP: usize = 8;
+/// A design tried after another failed has at least this much more residual: neighbours of a failure fail as well.
+const STRIDE: f64 = 1.002;
 
 /// What a tuning is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,9 +37,11 @@ pub struct Task {
     pub budget_percent: f64,
     /// Search effort.
     pub effort: Effort,
-    /// Seeds of the gyro's noise while tuning.
+    /// Seeds of the gyro's noise while searching.
     pub seeds: Vec<u64>,
-    /// Designs that every restart begins with, beside the gains offered to every filter: earlier results, to be improved.
+    /// Seeds on which the answer must hold; none: the search's best is the answer.
+    pub checks: Vec<u64>,
+    /// Designs that every restart begins with.
     pub starts: Vec<Design>,
 }
 
@@ -59,12 +50,14 @@ pub struct Task {
 pub struct Tuned {
     /// The design.
     pub design: Design,
-    /// Residual (rms, deg) seen by the tuner; not a result, only its objective.
+    /// Residual (rms, deg) seen by the search; not a result, only its objective.
     pub objective_deg: f64,
-    /// Whether every constraint is met on the tuner's seeds.
+    /// Whether every demand is met, on the search's seeds and on those of the check.
     pub feasible: bool,
     /// Objective of each restart (infinite where it found nothing feasible).
     pub restarts_deg: Vec<f64>,
+    /// How many of the search's designs were tried on the check seeds until one held.
+    pub tried: usize,
 }
 
 /// Tunes one family. `progress(evaluations so far)` may stop the search by returning false.
@@ -80,36 +73,86 @@ pub fn tune(
     stillrate::error::positive("budget_percent", task.budget_percent, "%")?;
     stillrate::error::positive("seeds", task.seeds.len() as f64, "of them")?;
     let ranges: Vec<Range> = GAINS.iter().copied().chain(family.open.iter().map(|t| t.range)).collect();
-    let offered = OFFERED.iter().map(|gains| design_at(&[&gains[..], &middle(family)[..]].concat()));
-    let designs: Vec<Design> = task.starts.iter().cloned().chain(offered).collect();
     // Errors that do not depend on the point are reported once, here; so is a start that cannot be used.
-    for design in &designs[..=task.starts.len()] {
-        stillrate::error::positive(
-            "starts",
-            f64::from(design.parameters.len() == family.open.len()),
-            "settings of the family",
-        )?;
+    let middle: Vec<f64> = ranges.iter().map(|range| range.value(0.5)).collect();
+    Trial::new(bench, family, &design_at(&middle))?;
+    for design in &task.starts {
+        let complete = f64::from(design.parameters.len() == family.open.len());
+        stillrate::error::positive("starts", complete, "settings of the family")?;
         Trial::new(bench, family, design)?;
     }
-    let starts: Vec<Vec<f64>> = designs.iter().map(point_of).collect();
-    let evaluate = |point: &[f64], best: Score| score(bench, family, task, point, best);
-    let found = minimise(&ranges, &starts, task.effort, evaluate, progress);
-    Ok(tuned(&found))
+    let starts: Vec<Vec<f64>> = task.starts.iter().map(point_of).collect();
+    let mut going = true;
+    let found =
+        minimise(&ranges, &starts, task.effort, |point, best| score(bench, family, task, point, best), &mut |done| {
+            going = progress(done);
+            going
+        });
+    Ok(answer(&found, &|design| going && holds(bench, family, task, design)))
 }
 
-fn tuned(found: &Found) -> Tuned {
+/// The best of the restarts' designs that hold, or else the best of all, called infeasible.
+fn answer(found: &Found, holds: &dyn Fn(&Design) -> bool) -> Tuned {
+    let mut tried = 0;
+    let mut kept: Option<&Scored> = None;
+    for ranked in &found.restarts {
+        if let Some(candidate) = first_that_holds(ranked, &mut tried, holds)
+            && kept.is_none_or(|held| candidate.1.beats(held.1))
+        {
+            kept = Some(candidate);
+        }
+    }
+    let leaders: Vec<&Scored> = found.restarts.iter().map(|ranked| &ranked[0]).collect();
+    let best = leaders.iter().fold(leaders[0], |best, other| if other.1.beats(best.1) { other } else { best });
+    let (point, score) = kept.unwrap_or(best);
     let value = |s: &Score| if s.violation == 0.0 { s.value } else { f64::INFINITY };
     Tuned {
-        design: design_at(&found.point),
-        objective_deg: value(&found.score),
-        feasible: found.score.violation == 0.0,
-        restarts_deg: found.restarts.iter().map(value).collect(),
+        design: design_at(point),
+        objective_deg: value(score),
+        feasible: kept.is_some(),
+        restarts_deg: leaders.iter().map(|(_, score)| value(score)).collect(),
+        tried,
     }
 }
 
-/// The middle of every open setting's range.
-fn middle(family: &Family) -> Vec<f64> {
-    family.open.iter().map(|t| t.range.value(0.5)).collect()
+fn first_that_holds<'a>(
+    ranked: &'a [Scored],
+    tried: &mut usize,
+    holds: &dyn Fn(&Design) -> bool,
+) -> Option<&'a Scored> {
+    let last = *tried + TRIED;
+    let mut least = 0.0;
+    for candidate in ranked.iter().take_while(|(_, score)| score.violation == 0.0) {
+        if candidate.1.value < least {
+            continue;
+        }
+        if *tried == last {
+            break;
+        }
+        *tried += 1;
+        if holds(&design_at(&candidate.0)) {
+            return Some(candidate);
+        }
+        least = STRIDE * candidate.1.value;
+    }
+    None
+}
+
+/// Whether every demand holds on the check seeds; given up at the first group of seeds on which one does not.
+fn holds(bench: &Bench, family: &Family, task: &Task, design: &Design) -> bool {
+    let mut all = Vec::with_capacity(task.checks.len());
+    for group in task.checks.chunks(GROUP) {
+        let measured: Option<Vec<Demands>> = group
+            .par_iter()
+            .map(|seed| Demands::measured(&mut Trial::new(bench, family, design).ok()?, *seed).ok())
+            .collect();
+        match measured {
+            Some(found) if Demands::hold_singly(&found) => all.extend(found),
+            _ => return false,
+        }
+    }
+    // Without check seeds there is nothing that could fail.
+    all.is_empty() || Demands::hold(&all, task.budget_percent)
 }
 
 fn point_of(design: &Design) -> Vec<f64> {
@@ -131,73 +174,7 @@ fn design_at(point: &[f64]) -> Design {
     }
 }
 
-/// Objective and constraints, given up as soon as the point cannot beat `best`.
 fn score(bench: &Bench, family: &Family, task: &Task, point: &[f64], best: Score) -> Score {
     let Ok(mut trial) = Trial::new(bench, family, &design_at(point)) else { return Score::WORST };
-    constrained(&mut trial, task, best).unwrap_or(Score::WORST)
-}
-
-fn constrained(trial: &mut Trial<'_>, task: &Task, best: Score) -> Result<Score, stillrate::ConfigError> {
-    let mut score = Score { violation: 0.0, value: residual(trial, task, best)? };
-    if !score.value.is_finite() || (best.violation == 0.0 && score.value >= best.value) {
-        return Ok(Score::WORST);
-    }
-    // Logarithmic violations: a limit cycle at 30 % counts as much more than 10 % over budget, but not as everything.
-    let over = |jitter: f64, allowed: f64| (jitter.min(1e3) / allowed).logarithm().most(0.0);
-    let budget = AIM * task.budget_percent;
-    let (mut after, mut compared, mut before) = (0.0, 0.0, 0.0);
-    for (i, seed) in task.seeds.iter().enumerate() {
-        // The sum only grows: once it is over by more than can win, the rest need not run.
-        if score.violation + over(after_rms(after, task), budget) > best.violation {
-            score.violation += over(after_rms(after, task), budget);
-            return Ok(score);
-        }
-        let square = trial.jitter_after_tilt(*seed, 1.0, 0.0)?.min(1e3).powi(2);
-        after += square;
-        if i < REST_SEEDS {
-            compared += square;
-            before += trial.jitter_undisturbed(*seed)?.min(1e3).powi(2);
-        }
-    }
-    score.violation += over(after_rms(after, task), budget) + over((compared / before.most(1e-18)).root(), AIM_RATIO);
-    for (factor, delay, seeds) in DEMANDED {
-        for seed in task.seeds.iter().take(seeds) {
-            if score.violation > best.violation {
-                return Ok(score);
-            }
-            score.violation += over(trial.jitter_after_tilt(*seed, factor, delay)?, 0.8 * QUIET_PERCENT);
-        }
-    }
-    if score.violation <= best.violation {
-        score.violation += over(levelling(trial, task)?, AIM_LEVEL_DEG);
-    }
-    Ok(score)
-}
-
-/// Mean residual over some seeds; given up, with a mean over fewer of them as if the rest were 0, once it cannot beat `best`.
-fn residual(trial: &mut Trial<'_>, task: &Task, best: Score) -> Result<f64, stillrate::ConfigError> {
-    let count = RESIDUAL_SEEDS.min(task.seeds.len()).max(1) as f64;
-    let mut mean = 0.0;
-    for seed in task.seeds.iter().take(RESIDUAL_SEEDS) {
-        mean += trial.residual(*seed)?.rms_deg / count;
-        if !mean.is_finite() || (best.violation == 0.0 && mean >= best.value) {
-            break;
-        }
-    }
-    Ok(mean)
-}
-
-/// Mean final error of levelling over some seeds, deg.
-fn levelling(trial: &mut Trial<'_>, task: &Task) -> Result<f64, stillrate::ConfigError> {
-    let count = LEVEL_SEEDS.min(task.seeds.len()).max(1) as f64;
-    let mut mean = 0.0;
-    for seed in task.seeds.iter().take(LEVEL_SEEDS) {
-        mean += trial.levelling_error_deg(*seed, LEVEL_FROM_DEG)?.min(1e3) / count;
-    }
-    Ok(mean)
-}
-
-/// Root mean square over all the task's seeds of a sum of squares over some of them.
-fn after_rms(squares: f64, task: &Task) -> f64 {
-    (squares / task.seeds.len().max(1) as f64).root()
+    searched(&mut trial, &task.seeds, task.budget_percent, best).unwrap_or(Score::WORST)
 }
