@@ -173,7 +173,7 @@ fn definite4<T: Real>(belief: &Gaussian4<T>) -> bool {
 fn stream<T: Real>(random: &mut Random, k: u64, period: f64) -> Sample<T> {
     let moving = if (k / 4096) % 2 == 1 { 40.0 * (0.05 * (k % 4096) as f64).sine_cosine().0 } else { 0.0 };
     let value = if k % 977 < 5 { f64::NAN } else { moving + 0.1 * random.normal() };
-    let dt = if k % 1409 == 0 { 7.3 * period } else { period };
+    let dt = if k.is_multiple_of(1409) { 7.3 * period } else { period };
     Sample { value: T::of(value), dt: T::of(dt) }
 }
 
