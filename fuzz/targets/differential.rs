@@ -221,8 +221,10 @@ fuzz_target!(|bytes: &[u8]| {
         let sum = bank_state.weight[0] + bank_state.weight[1];
         let mut mu = bank_state.weight.map(|weight| weight / sum);
         let size = alone.x.map(f64::abs);
-        let found = interact(&mut literal, &mut mu, &pi, value, dt, period);
-        let found_alone = alone.cycle(value, dt, period, size, [0.0; 2]);
+        // What lies beyond a filter's range is missing to it.
+        let heard = |limit: f64| if value.abs() <= limit { value } else { f64::NAN };
+        let found = interact(&mut literal, &mut mu, &pi, heard(bank.limit), dt, period);
+        let found_alone = alone.cycle(heard(single.limit), dt, period, size, [0.0; 2]);
         let sample = Sample { value, dt };
         let (ours, single) = (bank.step(&mut bank_state, sample), single.step(&mut single_state, sample));
         agree_on(&single_state.model, &alone, &found_alone);

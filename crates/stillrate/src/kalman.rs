@@ -84,7 +84,8 @@ pub(crate) fn sound4<T: Real>(predicted: &Gaussian4<T>, least: [T; 3]) -> Gaussi
 /// Mixes the states of two Singer models by their weights and predicts the mixture; the noise is part of `step`. Symmetric, to the bit.
 ///
 /// The predicted variance of the rate is what everything waits for. It is linear in the sources' covariances, so each source is
-/// carried forward first, while the weights are still being computed; the rest is mixed, then carried.
+/// carried forward first, while the weights are still being computed; the rest is mixed, then carried. As in [`predict_singer`], it never
+/// falls below the process noise, whatever cross term a state holds.
 #[inline(always)]
 pub(crate) fn mix_ahead<T: Real>(
     [w, v]: [T; 2],
@@ -103,7 +104,7 @@ pub(crate) fn mix_ahead<T: Real>(
     Gaussian2 {
         mean: [mean[0] + step.r * mean[1], step.s * mean[1]],
         covariance: [
-            w * ahead(&a.covariance) + v * ahead(&b.covariance) + spread * (apart * apart),
+            (w * ahead(&a.covariance) + v * ahead(&b.covariance) + spread * (apart * apart)).most(step.q11),
             step.s * p01 + step.q12,
             step.s * step.s * p11 + step.q22,
         ],
