@@ -1,7 +1,7 @@
 //! Settings of the published MS-IMM-IKF: its modes and every choice that the paper leaves open.
 
 use super::ms_imm_ikf_paper::{MsImmIkfPaper, PaperModel};
-use super::singer_imm_kf::{SingerFigures, check_variances, probability_pair, transition_matrix};
+use super::singer_imm_kf_settings::{SingerFigures, check_variances, probability_pair, transition_matrix};
 use crate::error::ConfigError;
 use crate::noise::{GyroNoise, range};
 use crate::ranges;
@@ -148,7 +148,7 @@ impl Settings for MsImmIkfPaperSettings {
         if self.mode != mode {
             self.preset();
         }
-        let mut pair = |name, values: &mut [f64]| super::singer_imm_kf::visit_pair(visitor, name, values);
+        let mut pair = |name, values: &mut [f64]| super::singer_imm_kf_settings::visit_pair(visitor, name, values);
         pair("alpha_per_s", &mut self.alpha_per_s);
         pair("accel_max_dps2", &mut self.accel_max_dps2);
         pair("transition", &mut self.transition);
