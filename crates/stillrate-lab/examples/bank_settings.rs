@@ -57,10 +57,12 @@ fn score(settings: &MsImmIkfSettings, runs: &[Run]) -> [f64; 6] {
     sums.map(|[ours, reference]| (ours / reference).sqrt())
 }
 
+/// One departure from the default.
+type Change = fn(&mut MsImmIkfSettings);
+
 fn main() {
     let seed = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(300);
     let noise = GyroNoise::from_standard_deviation_at_rate(0.1068, 50.0).with_rate_random_walk(0.003_316_62);
-    type Change = fn(&mut MsImmIkfSettings);
     let changes: [(&str, Change); 17] = [
         ("default", |_| {}),
         ("rest dwell 300 s", |s| s.rest_dwell_time_s = 300.0),

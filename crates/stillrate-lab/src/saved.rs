@@ -48,7 +48,9 @@ pub fn write<T: Real>(method: &str, settings: &SettingsMap, channels: usize, num
             Value::List(list) => {
                 out.push(1);
                 out.extend_from_slice(&(list.len() as u16).to_le_bytes());
-                list.iter().for_each(|number| out.extend_from_slice(&number.to_le_bytes()));
+                for number in list {
+                    out.extend_from_slice(&number.to_le_bytes());
+                }
             }
             Value::Word(text) => {
                 out.push(2);

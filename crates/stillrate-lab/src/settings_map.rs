@@ -211,13 +211,14 @@ impl Visit for Reader<'_> {
         self.known.push(name);
         match self.map.get(name) {
             None => {}
-            Some(Value::Word(given)) => match words.iter().position(|word| word == given) {
-                Some(index) => *chosen = index,
-                None => {
+            Some(Value::Word(given)) => {
+                if let Some(index) = words.iter().position(|word| word == given) {
+                    *chosen = index;
+                } else {
                     let hint = hint(given, words);
                     self.refuse(format!("{name} = '{given}' (must be one of {}){hint}", words.join(", ")));
                 }
-            },
+            }
             Some(other) => self.refuse(format!("{name} must be one of {}, not {other:?}", words.join(", "))),
         }
     }

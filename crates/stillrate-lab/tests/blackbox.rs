@@ -52,7 +52,7 @@ fn log(rows: &[[i64; 6]]) -> Vec<u8> {
             bytes.push(b'P');
             signed(&mut bytes, row[0] - (2 * last[0] - before[0]));
             for field in 1..5 {
-                signed(&mut bytes, row[field] - (last[field] + before[field]) / 2);
+                signed(&mut bytes, row[field] - i64::midpoint(last[field], before[field]));
             }
             signed(&mut bytes, row[5] - last[5]);
             history = [*row, last];

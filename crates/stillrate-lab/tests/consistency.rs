@@ -70,7 +70,9 @@ fn within(sum: f64, freedom: f64, what: &str) {
 /// Places in the predicted distribution fill equal bins evenly.
 fn evenly_spread(places: &[f64], what: &str) {
     let mut bins = [0.0; BINS];
-    places.iter().for_each(|place| bins[((place * BINS as f64) as usize).min(BINS - 1)] += 1.0);
+    for place in places {
+        bins[((place * BINS as f64) as usize).min(BINS - 1)] += 1.0;
+    }
     let expected = places.len() as f64 / BINS as f64;
     let sum: f64 = bins.iter().map(|count| (count - expected) * (count - expected) / expected).sum();
     within(sum, (BINS - 1) as f64, what);

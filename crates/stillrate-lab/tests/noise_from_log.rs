@@ -28,7 +28,7 @@ fn figures_at_rest_match_what_was_simulated() {
     let model = GyroNoiseModel { bias_sigma_dps: 0.0, rate_random_walk_dps_sqrt_s: 0.005, ..GyroNoiseModel::bench() };
     let mut sum = 0.0;
     for seed in 0..20 {
-        let z = model.record(&[0.0; 30_000], 50.0, seed).unwrap().measured_dps;
+        let z = model.record(&vec![0.0; 30_000], 50.0, seed).unwrap().measured_dps;
         let noise = noise_from_log(&z, 50.0).unwrap();
         assert_eq!(noise.reason, NoiseReason::AtRest);
         assert!((noise.density_dps_sqrt_hz / DENSITY - 1.0).abs() < 0.05, "{noise:?}");

@@ -54,9 +54,9 @@ fn the_open_loop_plant_follows_its_reference() {
         let base = Base::Sine { amplitude_rad: number(&case["base"]["A_rad"]), frequency_hz: 1.0, ramp_s: 1.0 };
         let (mut x, mut ours, mut scale) = ([0.0; 7], Vec::new(), vec![0.0_f64; 7]);
         for k in 0..200 {
-            let u = 6.0 * (TAU * 0.7 * k as f64 * 0.02).sine_cosine().0;
+            let u = 6.0 * (TAU * 0.7 * f64::from(k) * 0.02).sine_cosine().0;
             let mut motion = [(0.0, 0.0); 41];
-            base.fill(k as f64 * 0.02, 0.0005, &mut motion);
+            base.fill(f64::from(k) * 0.02, 0.0005, &mut motion);
             for j in 0..20 {
                 plant.step(&mut x, u, &[motion[2 * j], motion[2 * j + 1], motion[2 * j + 2]], 1e-3);
             }
@@ -268,7 +268,7 @@ fn an_unstable_loop_ends_at_its_tick_and_nothing_panics() {
 
 #[test]
 fn a_recorded_motion_is_its_own_integral() {
-    let rate: Vec<f64> = (0..500).map(|k| 0.3 * (TAU * k as f64 / 50.0).sine_cosine().0).collect();
+    let rate: Vec<f64> = (0..500).map(|k| 0.3 * (TAU * f64::from(k) / 50.0).sine_cosine().0).collect();
     let base = Base::Recorded(Recorded::new(&rate, 50.0, 0.35).unwrap());
     let axis = default_axis();
     let record = axis.run(&mut Unfiltered, &base, &GyroErrors::default(), 0.0, 9.0).unwrap();

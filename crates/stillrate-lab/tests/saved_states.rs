@@ -145,12 +145,9 @@ fn a_state_that_is_not_finite_is_refused_whichever_number_it_is() {
 /// Place of a number in the state of a method that cannot be below zero: a variance, a weight or a time.
 fn never_negative(method: &str) -> Option<usize> {
     Some(match method {
-        "singer-kf" | "singer-imm-kf" => 2,
-        "ms-imm-ikf" => 2,
-        "ms-imm-ikf-paper" => 3,
-        "sage-husa-kf" => 2,
+        "singer-kf" | "singer-imm-kf" | "ms-imm-ikf" | "sage-husa-kf" => 2,
+        "ms-imm-ikf-paper" | "one-euro" => 3,
         "ar-kf" => 8,
-        "one-euro" => 3,
         "hmm-kf" | "hmm-rls" | "cusum-forgetting" | "variable-forgetting" => 1,
         "fir" | "pt1" | "biquad" | "linear-prediction" => return None,
         other => panic!("which number of {other} is a variance?"),

@@ -46,70 +46,70 @@ fn refused(py: Python<'_>, error: stillrate::ConfigError) -> PyErr {
 }
 
 #[pyfunction]
-fn rotation_exp<'py>(py: Python<'py>, vector: [f64; 3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+fn rotation_exp(py: Python<'_>, vector: [f64; 3]) -> PyResult<Bound<'_, PyArray2<f64>>> {
     array(py, &so3::exp(&Vector3::from(vector)))
 }
 
 #[pyfunction]
-fn rotation_log<'py>(py: Python<'py>, rows: Rows3) -> PyResult<Bound<'py, PyArray1<f64>>> {
+fn rotation_log(py: Python<'_>, rows: Rows3) -> PyResult<Bound<'_, PyArray1<f64>>> {
     let checked = check_dcm(&matrix(rows)).map_err(|error| refused(py, error))?;
     Ok(PyArray1::from_slice(py, so3::log(&checked).as_slice()))
 }
 
 #[pyfunction]
-fn right_jacobian<'py>(py: Python<'py>, vector: [f64; 3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+fn right_jacobian(py: Python<'_>, vector: [f64; 3]) -> PyResult<Bound<'_, PyArray2<f64>>> {
     array(py, &so3::right_jacobian(&Vector3::from(vector)))
 }
 
 #[pyfunction]
-fn rotation_from_euler<'py>(py: Python<'py>, euler: [f64; 3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+fn rotation_from_euler(py: Python<'_>, euler: [f64; 3]) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let [roll, pitch, yaw] = euler;
     array(py, Rotation::<f64, Body, Navigation>::from_euler(roll, pitch, yaw).matrix())
 }
 
 #[pyfunction]
-fn rotation_from_quaternion<'py>(py: Python<'py>, wxyz: [f64; 4]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+fn rotation_from_quaternion(py: Python<'_>, wxyz: [f64; 4]) -> PyResult<Bound<'_, PyArray2<f64>>> {
     array(py, &Quaternion::checked(wxyz).map_err(|error| refused(py, error))?.matrix())
 }
 
 #[pyfunction]
-fn rotation_check<'py>(py: Python<'py>, rows: Rows3, project: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
+fn rotation_check(py: Python<'_>, rows: Rows3, project: bool) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let given = matrix(rows);
     let checked = if project { project_to_rotation(&given) } else { check_dcm(&given) };
     array(py, &checked.map_err(|error| refused(py, error))?)
 }
 
 #[pyfunction]
-fn position_matrix<'py>(py: Python<'py>, latitude: f64, longitude: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+fn position_matrix(py: Python<'_>, latitude: f64, longitude: f64) -> PyResult<Bound<'_, PyArray2<f64>>> {
     array(py, earth::position(latitude, longitude).matrix())
 }
 
 #[pyfunction]
-fn inertial_attitude<'py>(
-    py: Python<'py>,
+fn inertial_attitude(
+    py: Python<'_>,
     latitude: f64,
     longitude: f64,
     rows: Rows3,
     elapsed_s: f64,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let attitude = Rotation::checked(matrix(rows)).map_err(|error| refused(py, error))?;
     array(py, earth::inertial_attitude(latitude, longitude, attitude, elapsed_s).matrix())
 }
 
 /// A' B
 #[pyfunction]
-fn relative_rotation<'py>(py: Python<'py>, first: Rows3, second: Rows3) -> PyResult<Bound<'py, PyArray2<f64>>> {
+fn relative_rotation(py: Python<'_>, first: Rows3, second: Rows3) -> PyResult<Bound<'_, PyArray2<f64>>> {
     array(py, &(matrix(first).transpose() * matrix(second)))
 }
 
 /// Rotation and bias Jacobian of a stretch of rates with a bias taken off.
 #[pyfunction]
-fn preintegrate<'py>(
-    py: Python<'py>,
+fn preintegrate(
+    py: Python<'_>,
     rates: Vec<[f64; 3]>,
     dt_s: Vec<f64>,
     bias: [f64; 3],
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+) -> PyResult<(Bound<'_, PyArray2<f64>>, Bound<'_, PyArray2<f64>>)> {
     if rates.len() != dt_s.len() {
         return Err(PyValueError::new_err(format!("dt_s has {} entries for {} samples", dt_s.len(), rates.len())));
     }

@@ -87,13 +87,12 @@ impl Filter {
     }
 
     fn wrap(py: Python<'_>, runner: Box<dyn Runner>, config: Option<Py<PyAny>>) -> PyResult<Self> {
-        let config = match config {
-            Some(config) => config,
-            None => {
-                let settings = settings_to(py, &runner.settings())?;
-                let rebuild = py.import("stillrate.config")?.getattr("config_from_settings")?;
-                rebuild.call1((runner.method(), settings))?.unbind()
-            }
+        let config = if let Some(config) = config {
+            config
+        } else {
+            let settings = settings_to(py, &runner.settings())?;
+            let rebuild = py.import("stillrate.config")?.getattr("config_from_settings")?;
+            rebuild.call1((runner.method(), settings))?.unbind()
         };
         let dtype = match runner.precision() {
             Precision::Single => "float32",

@@ -241,7 +241,7 @@ fn gimbal_simulate<'py>(
 
 /// A draw of true coefficients.
 #[pyfunction]
-fn gimbal_draw<'py>(py: Python<'py>, gyro_factor: f64, seed: u64) -> Bound<'py, PyArray1<f64>> {
+fn gimbal_draw(py: Python<'_>, gyro_factor: f64, seed: u64) -> Bound<'_, PyArray1<f64>> {
     PyArray1::from_slice(py, &lab::draw(&DEFAULT_SCALE, gyro_factor, seed))
 }
 

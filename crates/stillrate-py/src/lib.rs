@@ -2,6 +2,9 @@
 //!
 //! Each module binds one family and registers itself; the numerics live in `stillrate` and `stillrate-lab`.
 
+// Arguments come from Python by value.
+#![allow(clippy::needless_pass_by_value)]
+
 use pyo3::prelude::*;
 
 mod analysis;

@@ -45,7 +45,7 @@ fn read_blackbox<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<(Option<Bound<'
 
 /// Reads delimited text: columns (arrays of int64 or float64, lists of words), and how the file is written.
 #[pyfunction]
-fn read_delimited<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>> {
+fn read_delimited(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let table = py.detach(|| delimited::read(&path)).map_err(|error| match error {
         ReadError::Io(error) => error.into(),
         ReadError::Malformed(reason) => PyValueError::new_err(reason),

@@ -33,20 +33,20 @@ fn array<'py>(py: Python<'py>, m: &DMatrix<f64>) -> PyResult<Bound<'py, PyArray2
 /// A and H of the bench IMU.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
-fn bench_imu_model<'py>(
-    py: Python<'py>,
+fn bench_imu_model(
+    py: Python<'_>,
     euler_rad: [f64; 3],
     latitude_rad: f64,
     gravity_m_s2: f64,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Vec<&'static str>)> {
+) -> PyResult<(Bound<'_, PyArray2<f64>>, Bound<'_, PyArray2<f64>>, Vec<&'static str>)> {
     let dynamics = bench_imu(euler_rad, latitude_rad, gravity_m_s2);
     Ok((array(py, &dynamics)?, array(py, &bench_measurement())?, BENCH_STATES.to_vec()))
 }
 
 /// One entry of `dynamics`, `measurement` and `duration_s` a segment.
 #[pyfunction]
-fn analyse_observability<'py>(
-    py: Python<'py>,
+fn analyse_observability(
+    py: Python<'_>,
     dynamics: Vec<Rows>,
     measurement: Vec<Rows>,
     duration_s: Vec<f64>,
@@ -54,7 +54,7 @@ fn analyse_observability<'py>(
     measurement_sigma: Vec<f64>,
     prior_sigma: Vec<f64>,
     process_density: Vec<f64>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let segments = dynamics
         .iter()
         .zip(&measurement)

@@ -51,11 +51,11 @@ fn unit_noise() -> GyroNoise {
 /// Gains g1 and g2 of order 2 at samples 1..=count, from the response of the filter itself to one sample of 1.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
-fn order_2_gains<'py>(
-    py: Python<'py>,
+fn order_2_gains(
+    py: Python<'_>,
     forgetting_factor: f64,
     count: usize,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+) -> PyResult<(Bound<'_, PyArray1<f64>>, Bound<'_, PyArray1<f64>>)> {
     let tau_s = closed_forms::tau_samples(forgetting_factor);
     let defaults = RecursiveLeastSquaresSettings::defaults(1.0, unit_noise());
     let filter = RecursiveLeastSquaresSettings { order: 2.0, tau_s, forgetting_factor, ..defaults }
@@ -136,12 +136,12 @@ fn recursive_responses(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
 
 /// The adaptive filters on the bench: one-euro is tuned on `tuning_seeds`, everything is judged on `seeds`.
 #[pyfunction]
-fn recursive_bench<'py>(
-    py: Python<'py>,
+fn recursive_bench(
+    py: Python<'_>,
     seeds: Vec<u64>,
     tuning_seeds: Vec<u64>,
     draws: usize,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let found = py.detach(|| -> Result<(OneEuroSettings, Vec<bench::Row>), ConfigError> {
         let one_euro = bench::tune_one_euro(draws, 1, &tuning_seeds);
         let rows = bench::table(&seeds, &one_euro)?;

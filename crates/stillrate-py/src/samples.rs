@@ -30,12 +30,11 @@ pub(crate) fn steps_from(dt: &Bound<'_, PyAny>, rows: usize) -> PyResult<Vec<f64
     if let Ok(one) = dt.extract::<f64>() {
         return Ok(vec![one; rows]);
     }
-    let steps: Vec<f64> = match dt.extract::<PyReadonlyArray1<'_, f64>>() {
-        Ok(array) => array.as_array().iter().copied().collect(),
-        Err(_) => {
-            let column = dt.py().import("stillrate.arrays")?.getattr("as_column")?.call1((dt,))?;
-            column.extract().map_err(|_| PyTypeError::new_err("dt_s must be a number or one number a sample"))?
-        }
+    let steps: Vec<f64> = if let Ok(array) = dt.extract::<PyReadonlyArray1<'_, f64>>() {
+        array.as_array().iter().copied().collect()
+    } else {
+        let column = dt.py().import("stillrate.arrays")?.getattr("as_column")?.call1((dt,))?;
+        column.extract().map_err(|_| PyTypeError::new_err("dt_s must be a number or one number a sample"))?
     };
     if steps.len() == rows {
         Ok(steps)

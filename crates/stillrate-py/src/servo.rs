@@ -151,7 +151,7 @@ fn servo_open_loop<'py>(
 
 /// The study's filter families: (name, chain, open settings, linear).
 #[pyfunction]
-fn servo_families<'py>(py: Python<'py>, sample_rate_hz: f64, density: f64, walk: f64) -> PyResult<Bound<'py, PyList>> {
+fn servo_families(py: Python<'_>, sample_rate_hz: f64, density: f64, walk: f64) -> PyResult<Bound<'_, PyList>> {
     let noise = GyroNoise { density_dps_sqrt_hz: density, rate_random_walk_dps_sqrt_s: walk };
     let list = PyList::empty(py);
     for family in standard(sample_rate_hz, noise) {

@@ -38,10 +38,10 @@ impl fmt::Display for ConfigError {
         let plain = size == 0.0 || !self.value.is_finite() || (1e-6..1e16).contains(&size);
         write!(f, "{} = ", self.field)?;
         if plain {
-            write!(f, "{}", self.value)?
+            write!(f, "{}", self.value)?;
         } else {
-            write!(f, "{:e}", self.value)?
-        };
+            write!(f, "{:e}", self.value)?;
+        }
         write!(f, " (must be {}{}{})", self.range, space, self.unit)
     }
 }

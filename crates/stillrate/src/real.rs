@@ -78,42 +78,54 @@ pub trait Real:
         self - self == Self::ZERO
     }
     /// Magnitude.
+    #[must_use]
     fn magnitude(self) -> Self;
     /// The smaller one; the second where the first is NaN.
     #[inline(always)]
+    #[must_use]
     fn least(self, other: Self) -> Self {
         Self::select(self < other, self, other)
     }
     /// The larger one; the second where the first is NaN.
     #[inline(always)]
+    #[must_use]
     fn most(self, other: Self) -> Self {
         Self::select(self > other, self, other)
     }
     /// Limits to `low..=high`; NaN becomes `low`.
     #[inline(always)]
+    #[must_use]
     fn limited(self, low: Self, high: Self) -> Self {
         self.most(low).least(high)
     }
     /// Zero where the magnitude is below [`Real::TINY`], so that nothing decays into slow denormals.
     #[inline(always)]
+    #[must_use]
     fn flushed(self) -> Self {
         Self::select(self.magnitude() < Self::TINY, Self::ZERO, self)
     }
     /// Square root, correctly rounded; NaN below zero.
+    #[must_use]
     fn root(self) -> Self;
     /// e^x.
+    #[must_use]
     fn exponential(self) -> Self;
     /// 2^x, fast and limited to what weights need; see [`elementary`](crate::elementary).
+    #[must_use]
     fn doubling(self) -> Self;
     /// e^x - 1, accurate near zero.
+    #[must_use]
     fn exponential_less_one(self) -> Self;
     /// Natural logarithm.
+    #[must_use]
     fn logarithm(self) -> Self;
     /// Sine and cosine of an angle in radians.
     fn sine_cosine(self) -> (Self, Self);
     /// Angle of the point (x = `other`, y = `self`) in radians, in -pi..=pi.
+    #[must_use]
     fn angle_over(self, other: Self) -> Self;
     /// Hyperbolic tangent.
+    #[must_use]
     fn tangent_hyperbolic(self) -> Self;
     /// Writes the number as little-endian bytes; the first [`Real::BYTES`] of the array count.
     fn to_little_endian(self) -> [u8; 8];

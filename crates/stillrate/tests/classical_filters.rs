@@ -309,7 +309,7 @@ fn sage_husa_learns_a_measurement_variance_nine_times_the_given_one() {
 #[test]
 fn linear_prediction_learns_a_sine_without_lag() {
     let settings = LinearPredictionSettings { step_size: 0.5, ..LinearPredictionSettings::defaults(RATE_HZ, noise()) };
-    let truth: Vec<f64> = (0..4000).map(|k| 20.0 * (0.2 * k as f64).sine_cosine().0).collect();
+    let truth: Vec<f64> = (0..4000).map(|k| 20.0 * (0.2 * f64::from(k)).sine_cosine().0).collect();
     let answers = run::<f64, _>(&settings, &regular(truth.clone()));
     let worst = (3000..4000).map(|k| (answers[k].0 - truth[k]).abs()).fold(0.0, f64::max);
     assert!(worst < 0.05, "{worst}");

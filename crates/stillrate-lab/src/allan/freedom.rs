@@ -94,7 +94,9 @@ fn add_between(sum: &mut Quadratic, from: i64, to: i64, f: &impl Fn(f64) -> Quad
     }
     let (a, b) = (from as f64, to as f64);
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-    NODES.iter().for_each(|(x, w)| sum.add(w * half, &f(middle + half * x)));
+    for (x, w) in &NODES {
+        sum.add(w * half, &f(middle + half * x));
+    }
     sum.add(0.5, &f(a));
     sum.add(-0.5, &f(b));
 }

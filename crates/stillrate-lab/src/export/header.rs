@@ -88,8 +88,11 @@ impl Outline for Collector<'_> {
             let _ = writeln!(self.text, "\n/* {} */\ntypedef struct {} {{", plain_text(done.about), done.name);
             for member in &done.members {
                 let kind = member.kind.as_deref().unwrap_or("void");
-                let lengths: String = member.lengths.iter().map(|length| format!("[{length}]")).collect();
-                let _ = writeln!(self.text, "    {kind} {}{lengths}; /* {} */", member.name, member.about);
+                let _ = write!(self.text, "    {kind} {}", member.name);
+                for length in &member.lengths {
+                    let _ = write!(self.text, "[{length}]");
+                }
+                let _ = writeln!(self.text, "; /* {} */", member.about);
             }
             let _ = writeln!(self.text, "}} {};", done.name);
         }

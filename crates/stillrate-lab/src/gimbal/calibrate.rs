@@ -68,10 +68,10 @@ impl Collector {
         self.reached = epoch;
         epoch.is_multiple_of(self.every) || epoch == self.total
     }
-    fn push(&mut self, epoch: usize, coefficients: Coefficients, deviation: Coefficients) {
+    fn push(&mut self, epoch: usize, coefficients: &Coefficients, deviation: &Coefficients) {
         self.history.time_s.push(epoch as f64 * self.interval_s);
-        self.history.coefficients.push(coefficients);
-        self.history.deviation.push(deviation);
+        self.history.coefficients.push(*coefficients);
+        self.history.deviation.push(*deviation);
     }
 }
 
@@ -129,6 +129,7 @@ fn run_avx2<T: Real, const N: usize>(
 }
 
 #[inline(always)]
+#[expect(clippy::too_many_lines, reason = "one arm a method")]
 fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Settings) -> Result<Outcome, ConfigError> {
     let selection = Selection::<N>::for_triads(s.gauge, s.options, &s.model.triads)?;
     let mut estimator = Estimator::<T, N>::new(s.model, selection, &s.scale, s.angle_random_walk_deg_sqrt_h)?
@@ -169,7 +170,7 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
                 residuals.push(innovations);
                 if collector.due(pass.epoch) {
                     let deviation = relinearised.standard_deviation(pass);
-                    collector.push(pass.epoch, relinearised.estimate(pass), deviation);
+                    collector.push(pass.epoch, &relinearised.estimate(pass), &deviation);
                 }
             });
             outcome.coefficients = solution.coefficients;
@@ -184,7 +185,7 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
                 residuals.push(&innovations);
                 if collector.due(k + 1) {
                     let deviation = filter.standard_deviation(&state);
-                    collector.push(k + 1, filter.attitude_and_coefficients(&state), deviation);
+                    collector.push(k + 1, &filter.attitude_and_coefficients(&state), &deviation);
                 }
             }
             outcome.coefficients = filter.attitude_and_coefficients(&state);
@@ -196,7 +197,7 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
             for k in 0..total {
                 residuals.push(&filter.epoch(&mut state, record, k));
                 if collector.due(k + 1) {
-                    collector.push(k + 1, state.coefficients, filter.standard_deviation(&state));
+                    collector.push(k + 1, &state.coefficients, &filter.standard_deviation(&state));
                 }
             }
             outcome.coefficients = state.coefficients;
@@ -217,7 +218,7 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
             }
             let observe = |epoch: usize, coefficients: &Coefficients| {
                 if collector.due(epoch) {
-                    collector.push(epoch, *coefficients, [0.0; COUNT]);
+                    collector.push(epoch, coefficients, &[0.0; COUNT]);
                 }
             };
             (outcome.coefficients, outcome.deviation) = if method == Method::TwoStage {
@@ -229,7 +230,7 @@ fn run<T: Real, const N: usize>(record: &Record<'_>, method: Method, s: &Setting
         Method::Literal => {
             outcome.coefficients = literal_angle(&s.model, record, &s.prior, &s.scale, |epoch, coefficients| {
                 if collector.due(epoch) {
-                    collector.push(epoch, *coefficients, [0.0; COUNT]);
+                    collector.push(epoch, coefficients, &[0.0; COUNT]);
                 }
             });
         }

@@ -161,7 +161,7 @@ pub fn run_draw(study: &Study, seed: u64) -> Result<Draw, ConfigError> {
     let error_over_bound = whitened_error(&bound, &error, &settings.scale);
     let tests = outcome.tests;
     let score = of(&outcome.coefficients);
-    Ok(Draw { truth, outcome, score, bound, kappa_of_mean_size, normalised_error, error_over_bound, settling_s, tests })
+    Ok(Draw { truth, outcome, bound, score, kappa_of_mean_size, normalised_error, error_over_bound, settling_s, tests })
 }
 
 /// Draws with the given seeds, in their order.

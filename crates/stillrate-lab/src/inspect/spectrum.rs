@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn a_sine_stands_at_its_frequency() {
-        let samples: Vec<f64> = (0..8192).map(|k| (k as f64 * 0.05 * core::f64::consts::TAU).sin()).collect();
+        let samples: Vec<f64> = (0..8192).map(|k| (f64::from(k) * 0.05 * core::f64::consts::TAU).sin()).collect();
         let found = welch(&samples, 200.0, 2048);
         let peak = (0..found.density.len()).max_by(|a, b| found.density[*a].total_cmp(&found.density[*b])).unwrap();
         assert!((found.frequency_hz[peak] - 10.0).abs() < 0.1);

@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn bursts_are_spread_over_their_samples() {
-        let t: Vec<f64> = (0..1000).map(|index| (index / 10) as f64 * 0.1 + (index % 10) as f64 * 1e-5).collect();
+        let t: Vec<f64> = (0..1000).map(|index| f64::from(index / 10) * 0.1 + f64::from(index % 10) * 1e-5).collect();
         assert!((analyse(&t).sample_rate_hz / 100.0 - 1.0).abs() < 0.03, "{}", analyse(&t).sample_rate_hz);
     }
 

@@ -39,7 +39,9 @@ pub(super) fn run(problem: &Problem) -> Riccati {
             for (k, q) in noise.iter().enumerate() {
                 covariance[(k, k)] += q;
             }
-            rows.iter().for_each(|row| measure(&mut covariance, row));
+            for row in &rows {
+                measure(&mut covariance, row);
+            }
             for (k, when) in tenth_of_prior_s.iter_mut().enumerate() {
                 if when.is_nan() && covariance[(k, k)] <= 0.01 {
                     *when = time;

@@ -95,7 +95,9 @@ fn sum_chunk(network: &Network, samples: Samples<'_>, chunk: usize) -> (Vec<f64>
                 columns[count][s] = e * root;
                 gradient.iter().zip(&mut columns).for_each(|(g, column)| column[s] = g * root);
             } else {
-                columns.iter_mut().for_each(|column| column[s] = 0.0);
+                for column in &mut columns {
+                    column[s] = 0.0;
+                }
             }
         }
         for i in 0..=count {

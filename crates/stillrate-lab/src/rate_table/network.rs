@@ -179,6 +179,6 @@ impl Scaling {
     /// Output in physical units.
     #[must_use]
     pub fn outward(&self, output: f64) -> f64 {
-        self.output.0 + (output + 1.0) / 2.0 * self.output.1
+        self.output.0 + f64::midpoint(output, 1.0) * self.output.1
     }
 }

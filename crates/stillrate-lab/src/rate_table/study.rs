@@ -173,7 +173,7 @@ pub fn contenders(prepared: &Prepared) -> Vec<Contender<'_>> {
     let [still, still_seen] = &prepared.on_constants;
     let contender = |name: &str, run: Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>| Contender { name: name.to_owned(), run };
     let mut all = vec![
-        contender("raw", Box::new(|y| y.to_vec())),
+        contender("raw", Box::new(<[f64]>::to_vec)),
         contender("calibration only", Box::new(|y| subtract(curve, y))),
         contender("KF, truth on motion", Box::new(move |y| walk(seen, y))),
         contender("line + KF, truth on motion", Box::new(move |y| walk(seen, &subtract(line, y)))),

@@ -51,7 +51,9 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
         if groups.len() > 1 && rows * channels >= PARALLEL_FROM {
             groups.into_par_iter().for_each(|(first, group)| run(first, group, &output));
         } else {
-            groups.into_iter().for_each(|(first, group)| run(first, group, &output));
+            for (first, group) in groups {
+                run(first, group, &output);
+            }
         }
     }
 
@@ -186,7 +188,9 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
         for state in &self.states {
             state.scatter(&mut |number: T| numbers.push(number));
         }
-        self.last.iter().for_each(|last| self.seen(last).scatter(&mut numbers));
+        for last in &self.last {
+            self.seen(last).scatter(&mut numbers);
+        }
         saved::write(S::METHOD, &self.settings(), self.states.len(), &numbers)
     }
 

@@ -73,14 +73,20 @@ impl Recorded {
             })
             .collect();
         let mean = rate.iter().sum::<f64>() / rate.len() as f64;
-        rate.iter_mut().for_each(|v| *v -= mean);
+        for v in &mut rate {
+            *v -= mean;
+        }
         let mut angle = integrate(&rate, period_s);
         let (low, high) = angle.iter().fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(*v), h.max(*v)));
         let middle = 0.5 * (low + high);
         let reach = 0.5 * (high - low);
         let scale = if reach > range_rad { range_rad / reach } else { 1.0 };
-        rate.iter_mut().for_each(|v| *v *= scale);
-        angle.iter_mut().for_each(|v| *v = (*v - middle) * scale);
+        for v in &mut rate {
+            *v *= scale;
+        }
+        for v in &mut angle {
+            *v = (*v - middle) * scale;
+        }
         Ok(Self { period_s, rate, angle })
     }
 

@@ -58,7 +58,9 @@ impl LinearLoop {
         let size = filters + order;
         let row = |entries: &[(usize, f64)]| {
             let mut v = DVector::zeros(size + 1);
-            entries.iter().for_each(|(i, x)| v[*i] += x);
+            for (i, x) in entries {
+                v[*i] += x;
+            }
             v
         };
         // Every quantity is a row over (state, noise).

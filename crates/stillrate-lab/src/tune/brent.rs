@@ -104,16 +104,16 @@ impl Brent {
             evaluations += 1;
             if fu <= fx {
                 if u < x {
-                    b = x
+                    b = x;
                 } else {
-                    a = x
+                    a = x;
                 }
                 (v, fv, w, fw, x, fx) = (w, fw, x, fx, u, fu);
             } else {
                 if u < x {
-                    a = u
+                    a = u;
                 } else {
-                    b = u
+                    b = u;
                 }
                 if fu <= fw || w == x {
                     (v, fv, w, fw) = (w, fw, u, fu);

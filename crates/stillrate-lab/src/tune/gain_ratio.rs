@@ -78,18 +78,17 @@ impl GainRatio<'_> {
     /// Scores of candidates q.
     #[must_use]
     pub fn scores(&self, ratios: &[f64]) -> Vec<Score> {
-        match ratios.len() {
-            1 => self.groups::<1>(ratios),
-            _ => {
-                // Neighbours of like q settle together; the value of a candidate does not depend on its neighbours.
-                let mut order: Vec<usize> = (0..ratios.len()).collect();
-                order.sort_by(|&a, &b| ratios[b].total_cmp(&ratios[a]));
-                let sorted: Vec<f64> = order.iter().map(|&k| ratios[k]).collect();
-                let mut scores = vec![Score::NONE; ratios.len()];
-                let found = self.groups::<WIDTH>(&sorted);
-                order.iter().zip(found).for_each(|(&k, score)| scores[k] = score);
-                scores
-            }
+        if ratios.len() == 1 {
+            self.groups::<1>(ratios)
+        } else {
+            // Neighbours of like q settle together; the value of a candidate does not depend on its neighbours.
+            let mut order: Vec<usize> = (0..ratios.len()).collect();
+            order.sort_by(|&a, &b| ratios[b].total_cmp(&ratios[a]));
+            let sorted: Vec<f64> = order.iter().map(|&k| ratios[k]).collect();
+            let mut scores = vec![Score::NONE; ratios.len()];
+            let found = self.groups::<WIDTH>(&sorted);
+            order.iter().zip(found).for_each(|(&k, score)| scores[k] = score);
+            scores
         }
     }
 

@@ -250,10 +250,9 @@ impl Qpso {
 
     fn inside(&self, x: f64, low: f64, high: f64) -> f64 {
         let mirrored = match self.bound {
-            Bound::Clip => x,
             Bound::Reflect if x < low => 2.0 * low - x,
             Bound::Reflect if x > high => 2.0 * high - x,
-            Bound::Reflect => x,
+            Bound::Reflect | Bound::Clip => x,
         };
         mirrored.clamp(low, high)
     }

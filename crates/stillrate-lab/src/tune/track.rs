@@ -22,14 +22,14 @@ pub struct Run {
 pub fn track(walk: Walk, log10_ratio: f64, period_s: f64, measured: &[f64]) -> Vec<f64> {
     let q = [(LN_10 * log10_ratio).exponential()];
     match walk {
-        Walk::RandomWalk => rates::<RandomWalks<1>>(&q, period_s, measured),
-        Walk::RateAcceleration => rates::<RateAccelerations<1>>(&q, period_s, measured),
+        Walk::RandomWalk => rates::<RandomWalks<1>>(q, period_s, measured),
+        Walk::RateAcceleration => rates::<RateAccelerations<1>>(q, period_s, measured),
     }
 }
 
-fn rates<M: Candidates<1>>(q: &[f64; 1], period_s: f64, measured: &[f64]) -> Vec<f64> {
+fn rates<M: Candidates<1>>(q: [f64; 1], period_s: f64, measured: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; measured.len()];
-    lanes::watch::<M, 1>(q, period_s, measured, &mut |k, rate| out[k] = rate[0]);
+    lanes::watch::<M, 1>(&q, period_s, measured, &mut |k, rate| out[k] = rate[0]);
     out
 }
 

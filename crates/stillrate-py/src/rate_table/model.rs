@@ -238,8 +238,8 @@ fn rate_table_fit<'py>(
 /// Fits averaged points.
 #[pyfunction]
 #[pyo3(signature = (rates, errors, standard_errors, temperatures, candidates, slope_limit, seed))]
-fn rate_table_fit_points<'py>(
-    py: Python<'py>,
+fn rate_table_fit_points(
+    py: Python<'_>,
     rates: Vec<f64>,
     errors: Vec<f64>,
     standard_errors: Vec<f64>,
@@ -247,7 +247,7 @@ fn rate_table_fit_points<'py>(
     candidates: Option<Vec<String>>,
     slope_limit: f64,
     seed: u64,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let made = points::from_means(&rates, &errors, &standard_errors, temperatures.as_deref()).map_err(value_error)?;
     let options = options(candidates, slope_limit, seed)?;
     let fitted = py.detach(|| fit::fit(made, &options));

@@ -41,13 +41,13 @@ fn rate_table_unit(seed: u64) -> (f64, [f64; 4], f64, f64) {
 
 /// What a unit measures of a true record.
 #[pyfunction]
-fn rate_table_record<'py>(
-    py: Python<'py>,
+fn rate_table_record(
+    py: Python<'_>,
     truth: Vec<f64>,
     unit: u64,
     seed: u64,
     sample_rate_hz: f64,
-) -> Bound<'py, PyArray1<f64>> {
+) -> Bound<'_, PyArray1<f64>> {
     PyArray1::from_vec(py, unit_of(unit).measure(&truth, sample_rate_hz, &mut Random::new(seed, 77)))
 }
 

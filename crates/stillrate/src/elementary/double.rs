@@ -122,6 +122,7 @@ impl Format for f64 {
 /// assert_eq!(stillrate::elementary::double::root(9.0), 3.0);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn root(x: f64) -> f64 {
     #[cfg(feature = "std")]
     {
@@ -143,6 +144,7 @@ pub fn root(x: f64) -> f64 {
 /// assert_eq!(stillrate::elementary::double::exponential(0.0), 1.0);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn exponential(x: f64) -> f64 {
     exponentials::exponential(x)
 }
@@ -153,6 +155,7 @@ pub fn exponential(x: f64) -> f64 {
 /// assert_eq!(stillrate::elementary::double::doubling(-3.0), 0.125);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn doubling(x: f64) -> f64 {
     exponentials::doubling(x)
 }
@@ -163,6 +166,7 @@ pub fn doubling(x: f64) -> f64 {
 /// assert_eq!(stillrate::elementary::double::exponential_less_one(1e-30), 1e-30);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn exponential_less_one(x: f64) -> f64 {
     exponentials::exponential_less_one(x)
 }
@@ -173,6 +177,7 @@ pub fn exponential_less_one(x: f64) -> f64 {
 /// assert_eq!(stillrate::elementary::double::logarithm(2.0), core::f64::consts::LN_2);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn logarithm(x: f64) -> f64 {
     logarithms::logarithm(x)
 }
@@ -183,6 +188,7 @@ pub fn logarithm(x: f64) -> f64 {
 /// assert_eq!(stillrate::elementary::double::sine_cosine(0.0), (0.0, 1.0));
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn sine_cosine(x: f64) -> (f64, f64) {
     circular::sine_cosine(x)
 }
@@ -193,6 +199,7 @@ pub fn sine_cosine(x: f64) -> (f64, f64) {
 /// assert_eq!(stillrate::elementary::double::angle_over(1.0, 1.0), core::f64::consts::FRAC_PI_4);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn angle_over(y: f64, x: f64) -> f64 {
     angle::angle_over(y, x)
 }
@@ -203,6 +210,7 @@ pub fn angle_over(y: f64, x: f64) -> f64 {
 /// assert_eq!(stillrate::elementary::double::tangent_hyperbolic(40.0), 1.0);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn tangent_hyperbolic(x: f64) -> f64 {
     exponentials::tangent_hyperbolic(x)
 }

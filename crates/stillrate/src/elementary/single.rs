@@ -55,6 +55,7 @@ impl Format for f32 {
 /// assert_eq!(stillrate::elementary::single::root(9.0), 3.0);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn root(x: f32) -> f32 {
     #[cfg(feature = "std")]
     {
@@ -76,6 +77,7 @@ pub fn root(x: f32) -> f32 {
 /// assert_eq!(stillrate::elementary::single::exponential(0.0), 1.0);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn exponential(x: f32) -> f32 {
     exponentials::exponential(x)
 }
@@ -86,6 +88,7 @@ pub fn exponential(x: f32) -> f32 {
 /// assert_eq!(stillrate::elementary::single::doubling(-3.0), 0.125);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn doubling(x: f32) -> f32 {
     exponentials::doubling(x)
 }
@@ -96,6 +99,7 @@ pub fn doubling(x: f32) -> f32 {
 /// assert_eq!(stillrate::elementary::single::exponential_less_one(1e-30), 1e-30);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn exponential_less_one(x: f32) -> f32 {
     exponentials::exponential_less_one(x)
 }
@@ -106,6 +110,7 @@ pub fn exponential_less_one(x: f32) -> f32 {
 /// assert_eq!(stillrate::elementary::single::logarithm(2.0), core::f32::consts::LN_2);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn logarithm(x: f32) -> f32 {
     logarithms::logarithm(x)
 }
@@ -116,6 +121,7 @@ pub fn logarithm(x: f32) -> f32 {
 /// assert_eq!(stillrate::elementary::single::sine_cosine(0.0), (0.0, 1.0));
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn sine_cosine(x: f32) -> (f32, f32) {
     circular::sine_cosine(x)
 }
@@ -126,6 +132,7 @@ pub fn sine_cosine(x: f32) -> (f32, f32) {
 /// assert_eq!(stillrate::elementary::single::angle_over(1.0, 1.0), core::f32::consts::FRAC_PI_4);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn angle_over(y: f32, x: f32) -> f32 {
     angle::angle_over(y, x)
 }
@@ -136,6 +143,7 @@ pub fn angle_over(y: f32, x: f32) -> f32 {
 /// assert_eq!(stillrate::elementary::single::tangent_hyperbolic(40.0), 1.0);
 /// ```
 #[inline(always)]
+#[must_use]
 pub fn tangent_hyperbolic(x: f32) -> f32 {
     exponentials::tangent_hyperbolic(x)
 }

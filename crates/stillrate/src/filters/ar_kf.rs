@@ -215,7 +215,7 @@ impl<T: Real> ArKf<T> {
 
     /// Update with a measurement of the first lag (Joseph's form).
     #[inline(always)]
-    fn update(&self, state: &ArKfState<T>, value: T) -> ArKfState<T> {
+    fn update(state: &ArKfState<T>, value: T) -> ArKfState<T> {
         let first = state.covariance[0];
         let innovation_variance = first[0] + T::ONE;
         let innovation = value - state.lags[0];
@@ -235,7 +235,7 @@ impl<T: Real> ArKf<T> {
 
     /// Every lag at `value`, uncorrelated, as uncertain as one measurement.
     #[inline(always)]
-    fn at(&self, value: T, started: T) -> ArKfState<T> {
+    fn at(value: T, started: T) -> ArKfState<T> {
         let mut covariance = [[T::ZERO; HIGHEST_ORDER]; HIGHEST_ORDER];
         for i in 0..HIGHEST_ORDER {
             covariance[i][i] = T::ONE;
@@ -260,7 +260,7 @@ impl<T: Real> Filter<T> for ArKf<T> {
     type State = ArKfState<T>;
 
     fn start(&self) -> ArKfState<T> {
-        self.at(T::ZERO, T::ZERO)
+        Self::at(T::ZERO, T::ZERO)
     }
 
     fn accepts(&self, state: &ArKfState<T>) -> bool {
@@ -292,7 +292,7 @@ impl<T: Real> Filter<T> for ArKf<T> {
             predicted = self.predict(&predicted);
             covered += self.period_s;
         }
-        let updated = self.update(&predicted, value);
+        let updated = Self::update(&predicted, value);
 
         let mut sum = T::ZERO;
         for i in 0..HIGHEST_ORDER {
@@ -303,7 +303,7 @@ impl<T: Real> Filter<T> for ArKf<T> {
         }
         let sound = sum.finite();
         let fresh = state.started == T::ZERO || checked.restart;
-        let present = choose(fresh || !sound, &self.at(value, T::ONE), &updated);
+        let present = choose(fresh || !sound, &Self::at(value, T::ONE), &updated);
         let coasted = choose(checked.moves && !fresh, &predicted, state);
         let absent = choose(sound, &coasted, &self.start());
         *state = choose(checked.present, &present, &absent);

@@ -54,7 +54,7 @@ impl Settings for CusumForgettingSettings {
         visitor.number("sample_rate_hz", &mut self.sample_rate_hz);
         visit_noise(visitor, &mut self.noise);
         let (tau_s, forgetting_factor) = (&mut self.tau_s, &mut self.forgetting_factor);
-        visit_memory(visitor, Memory { sample_rate_hz: self.sample_rate_hz, tau_s, forgetting_factor });
+        visit_memory(visitor, &mut Memory { sample_rate_hz: self.sample_rate_hz, tau_s, forgetting_factor });
         visitor.number("drift", &mut self.drift);
         visitor.number("threshold", &mut self.threshold);
         visitor.number("samples_kept", &mut self.samples_kept);

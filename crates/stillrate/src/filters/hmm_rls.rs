@@ -62,7 +62,7 @@ impl Settings for RecursiveLeastSquaresSettings {
         visit_noise(visitor, &mut self.noise);
         visitor.number("order", &mut self.order);
         let (tau_s, forgetting_factor) = (&mut self.tau_s, &mut self.forgetting_factor);
-        visit_memory(visitor, Memory { sample_rate_hz: self.sample_rate_hz, tau_s, forgetting_factor });
+        visit_memory(visitor, &mut Memory { sample_rate_hz: self.sample_rate_hz, tau_s, forgetting_factor });
     }
 
     fn build<T: Real>(&self) -> Result<RecursiveLeastSquares<T>, ConfigError> {

@@ -292,7 +292,7 @@ impl<T: Real> MsImmIkf<T> {
         };
         let mut lost = false;
         for c in 0..W {
-            lost |= !self.holds(&s.fused.lane(c));
+            lost |= !Self::holds(&s.fused.lane(c));
         }
         if lost {
             self.recover(s, &mut flags);
@@ -346,7 +346,7 @@ impl<T: Real> MsImmIkf<T> {
 
     /// Whether a fused estimate is one: finite, and so far within the numbers that it can be squared or divided by a period.
     #[inline(always)]
-    fn holds(&self, [rate, acceleration, variance]: &[T; 3]) -> bool {
+    fn holds([rate, acceleration, variance]: &[T; 3]) -> bool {
         (rate.magnitude() <= T::LARGEST.root()) & (acceleration.magnitude() <= T::LARGEST.root()) & variance.finite()
     }
 
@@ -356,7 +356,7 @@ impl<T: Real> MsImmIkf<T> {
     fn recover<const W: usize>(&self, s: &mut Wide<T, W>, flags: &mut [Flags; W]) {
         let fresh = self.start_wide::<W>();
         for c in 0..W {
-            if !self.holds(&s.fused.lane(c)) {
+            if !Self::holds(&s.fused.lane(c)) {
                 s.set_lane(c, fresh.lane(c));
                 flags[c] = flags[c].with(Flags::DIVERGED);
             }

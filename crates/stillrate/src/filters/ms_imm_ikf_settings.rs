@@ -175,7 +175,7 @@ impl<T: Real> MsImmIkf<T> {
                 rate_square_min: T::of(1e-8 * variance),
             },
             start_angle: T::of((START_FREQUENCY_RAD_S * period).limited(angle_min, angle_max)),
-            refresh_samples: T::of((refresh * rate + 1e-9).least(16_000_000.0).most(1.0) as u32 as f64),
+            refresh_samples: T::of(f64::from((refresh * rate + 1e-9).least(16_000_000.0).most(1.0) as u32)),
             outlier_probability: T::of(outlier),
             saturation: T::of(saturation).least(T::LARGEST),
             dwell_periods: T::of(dwell),

@@ -129,7 +129,7 @@ mod tests {
         for k in 0..20_000 {
             bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let dice = (bits >> 40) as usize;
-            let moving = if k % 3000 > 1500 { 30.0 * (0.1 * k as f64).sine_cosine().0 } else { 0.0 };
+            let moving = if k % 3000 > 1500 { 30.0 * (0.1 * f64::from(k)).sine_cosine().0 } else { 0.0 };
             let noise = (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
             let value = if dice.is_multiple_of(13) { odd[(dice / 13) % odd.len()] } else { moving + noise };
             let dt = if dice.is_multiple_of(11) { steps[(dice / 11) % steps.len()] } else { period };

@@ -86,6 +86,7 @@ pub const DEFAULT_SCALE: Coefficients = {
 /// assert_eq!(Selection::<41>::new(Gauge::Accelerometer, all).unwrap().count(), 38);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a setting of its own")]
 pub struct Options {
     /// Torquer scale errors (3).
     pub torquer: bool,

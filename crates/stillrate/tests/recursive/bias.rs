@@ -85,7 +85,9 @@ impl Case {
 
     fn add_noise(&mut self, walk: f64, sigma: f64, noise: &mut Noise) {
         for rate in &mut self.rates {
-            rate.iter_mut().for_each(|x| *x += noise.normal() * walk / self.dt.root());
+            for x in rate.iter_mut() {
+                *x += noise.normal() * walk / self.dt.root();
+            }
         }
         for fix in &mut self.fixes {
             let error = Vector3::new(noise.normal(), noise.normal(), noise.normal()) * sigma;

@@ -51,6 +51,7 @@ pub struct Fix<T> {
 /// assert!(settings.check().is_ok());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a setting of its own")]
 pub struct BiasSettings {
     /// Angle random walk N of the gyro, rad/sqrt(s); default 0.3 deg/sqrt(h).
     pub angle_random_walk_rad_sqrt_s: f64,

@@ -32,7 +32,7 @@ fn usable(forgetting_factor: f64) -> bool {
 }
 
 /// Shows both to a visitor; where it changes only one, the other follows.
-pub(crate) fn visit_memory<V: Visit>(visitor: &mut V, memory: Memory<'_>) {
+pub(crate) fn visit_memory<V: Visit>(visitor: &mut V, memory: &mut Memory<'_>) {
     let (tau_before, factor_before) = (*memory.tau_s, *memory.forgetting_factor);
     visitor.number("tau_s", memory.tau_s);
     visitor.number("forgetting_factor", memory.forgetting_factor);
