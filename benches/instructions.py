@@ -7,6 +7,7 @@ python benches/instructions.py --update   # writes the table
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -53,7 +54,8 @@ def count() -> dict[str, float]:
     # A member of the workspace: elsewhere the folder's own name would change symbols, and with them the inlining.
     build = ["cargo", "build", "--release", "--quiet", "--package", "stillrate-instructions"]
     subprocess.run(build, cwd=HERE.parent, check=True)
-    program = HERE.parent / "target" / "release" / "stillrate-instructions"
+    target = Path(os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target"))
+    program = target / "release" / "stillrate-instructions"
     cases = subprocess.run([program, "list"], check=True, capture_output=True, text=True).stdout.splitlines()
     counts = {}
     with tempfile.TemporaryDirectory() as folder:

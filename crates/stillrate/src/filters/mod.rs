@@ -7,11 +7,8 @@ pub mod fir;
 mod hmm_rls;
 mod linear_prediction;
 mod ms_imm_ikf;
-mod ms_imm_ikf_cycle;
 mod ms_imm_ikf_paper;
 mod ms_imm_ikf_paper_settings;
-mod ms_imm_ikf_settings;
-mod ms_imm_ikf_sound;
 mod one_euro;
 mod online_ar;
 mod pt1;
@@ -33,12 +30,11 @@ pub use hmm_rls::{
     DEFAULT_TAU_S, RecursiveLeastSquares, RecursiveLeastSquaresSettings, RecursiveLeastSquaresState, WeightedMean,
 };
 pub use linear_prediction::{LinearPrediction, LinearPredictionSettings, LinearPredictionState};
-pub use ms_imm_ikf::{MsImmIkf, MsImmIkfState, OSCILLATORS, Pace, RUNGS};
+pub use ms_imm_ikf::{MsImmIkf, MsImmIkfSettings, MsImmIkfState, OSCILLATORS, Pace, RUNGS};
 pub use ms_imm_ikf_paper::{FadingGate, MsImmIkfPaper, MsImmIkfPaperState, PaperModel};
 pub use ms_imm_ikf_paper_settings::{
     ALPHA_MIXING, FADING_GATES, FADING_SCOPES, FADING_SOURCES, FADINGS, JACOBIANS, MODES, MsImmIkfPaperSettings,
 };
-pub use ms_imm_ikf_settings::MsImmIkfSettings;
 pub use one_euro::{OneEuro, OneEuroSettings, OneEuroState};
 pub use online_ar::{OnlineAr, OnlineArState};
 pub use pt1::{Pt1, Pt1Settings, Pt1State};

@@ -1,6 +1,6 @@
 //! Settings of the recommended bank and the numbers that follow from them.
 
-use super::ms_imm_ikf::{MsImmIkf, NOISE_SHARE, OSCILLATORS, Pace, RUNGS};
+use super::{MsImmIkf, OSCILLATORS, Pace, RUNGS};
 use crate::adaptive::manoeuvre_frequency::FrequencyMemory;
 use crate::error::ConfigError;
 use crate::noise::{GyroNoise, range};
@@ -95,6 +95,9 @@ impl Settings for MsImmIkfSettings {
     }
 }
 
+/// Share of the noise density (a variance times a second) in the variances of lacking derivatives and in the cap, so that they
+/// never vanish.
+const NOISE_SHARE: f64 = 1e-3;
 /// Manoeuvre frequency before anything is known: one hertz, rounded as the reference outputs have it.
 #[allow(clippy::approx_constant)]
 const START_FREQUENCY_RAD_S: f64 = 6.28;
