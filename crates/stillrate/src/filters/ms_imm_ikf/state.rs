@@ -11,7 +11,17 @@ use crate::reals;
 use crate::reals::Lane;
 
 plain! {
-    /// What follows from the length of a step alone.
+    /// What follows from the length of a step alone; a filter holds that of its nominal period.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{GyroNoise, Settings, filters::MsImmIkfSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.015);
+    /// let pace = MsImmIkfSettings::defaults(50.0, noise).build::<f64>()?.nominal;
+    /// assert!(pace.elapsed == 1.0 && (pace.leave - 0.02 / 20.0).abs() < 1e-6); // 20 s in a moving model
+    /// assert!((pace.leave_rest - 0.02 / 100.0).abs() < 1e-7); // 100 s at rest
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct Pace<T> {
         /// Length in periods.
         pub elapsed: T,
@@ -28,6 +38,18 @@ plain! {
 
 reals! {
     /// State of [`MsImmIkf`]: moments of every model, probabilities, followed motion, oscillator coefficients.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::MsImmIkfSettings};
+    /// let filter = MsImmIkfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for _ in 0..500 {
+    ///     filter.step(&mut state, Sample { value: 0.0, dt: 0.02 });
+    /// }
+    /// assert!(state.walk_probability.0[0] > 0.99); // ten seconds of nothing are rest
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct MsImmIkfState {
         /// 1 once a sample has been seen.
         pub started: T,
