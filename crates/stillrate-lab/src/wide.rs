@@ -154,7 +154,7 @@ fn fill<T: Real, U: Real, const W: usize>(
 /// [`Filter::tile`] compiled for the instructions that this machine has.
 fn tile_widest<T: Real, F: Filter<T>, const W: usize>(filter: &F, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
     #[cfg(target_arch = "x86_64")]
-    if W > 1 && std::arch::is_x86_feature_detected!("avx2") {
+    if (W > 1 || !F::SIDE_BY_SIDE) && std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the feature was just detected.
         unsafe { tile_avx2(filter, lanes, tile, dt) };
         return;

@@ -194,6 +194,9 @@ pub trait Filter<T: Real>: Copy + Send + Sync {
         1
     }
 
+    /// Whether the channels of a tile are filtered faster side by side than one after the other.
+    const SIDE_BY_SIDE: bool = true;
+
     /// Filters a tile of samples of `W` channels in place: `tile[k][c]` is sample `k` of channel `c`.
     /// `lanes` is the channel-minor state (see [`block`](crate::block)); `dt` is the time step of every row.
     /// The result has the same bits as [`Filter::step`] on each channel.

@@ -1,6 +1,8 @@
 //! The short form that tiles of simple filters take gives the bits of the full step, wherever the record needs care.
 
-use stillrate::filters::{BiquadSettings, Pt1Settings, RandomWalkKfSettings, RecursiveLeastSquaresSettings};
+use stillrate::filters::{
+    BiquadSettings, FirLowPassSettings, Pt1Settings, RandomWalkKfSettings, RecursiveLeastSquaresSettings,
+};
 use stillrate::{Filter, GyroNoise, Real, Reals, Sample, Settings, block};
 
 const RATE_HZ: f64 = 1000.0;
@@ -84,4 +86,11 @@ fn recursive_least_squares_give_the_bits_of_their_full_step() {
 #[test]
 fn a_random_walk_filter_gives_the_bits_of_its_full_step() {
     check_widths(&RandomWalkKfSettings { variance_ratio: 0.05, ..Settings::defaults(RATE_HZ, noise()) });
+}
+
+#[test]
+fn a_weighted_mean_gives_the_bits_of_its_full_step() {
+    for length in [1.0, 9.0, 128.0] {
+        check_widths(&FirLowPassSettings { length, ..Settings::defaults(RATE_HZ, noise()) });
+    }
 }

@@ -40,10 +40,14 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
             _ => T::run_widest(filter, group, first, source, timing, output),
         };
         let output = wide::Columns::new(output, channels);
-        // Full groups first, then what is left: by fours if that fills half a group at most.
-        let full = channels - channels % T::WIDTH;
+        // Full groups first, then what is left: by fours if that fills half a group at most; or one channel after the other.
+        let full = if S::Filter::<T>::SIDE_BY_SIDE { channels - channels % T::WIDTH } else { 0 };
         let rest = channels - full;
-        let narrow = if rest > T::WIDTH / 2 { T::WIDTH } else { 4 };
+        let narrow = match rest {
+            _ if !S::Filter::<T>::SIDE_BY_SIDE => 1,
+            many if many > T::WIDTH / 2 => T::WIDTH,
+            _ => 4,
+        };
         let (wide_states, rest_states) = self.states.split_at_mut(full);
         let mut groups: Vec<(usize, &mut [StateOf<S, T>])> =
             wide_states.chunks_mut(T::WIDTH).enumerate().map(|(k, group)| (k * T::WIDTH, group)).collect();

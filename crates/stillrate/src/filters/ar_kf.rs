@@ -258,6 +258,7 @@ fn choose<T: Real>(condition: bool, yes: &ArKfState<T>, no: &ArKfState<T>) -> Ar
 
 impl<T: Real> Filter<T> for ArKf<T> {
     type State = ArKfState<T>;
+    const SIDE_BY_SIDE: bool = false;
 
     fn start(&self) -> ArKfState<T> {
         Self::at(T::ZERO, T::ZERO)

@@ -10,6 +10,7 @@
 
 use core::f64::consts::{PI, TAU};
 
+use crate::block;
 use crate::error::{ConfigError, between};
 use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 use crate::noise::{GyroNoise, range};
@@ -24,6 +25,8 @@ use crate::sound;
 pub const CAPACITY: usize = 128;
 /// Sums that run side by side; the order of addition is the same whatever the width of the machine.
 const LANES: usize = 8;
+/// Samples that are filtered between two visits to the register.
+const SPAN: usize = 64;
 /// Windows by name.
 pub const WINDOWS: [&str; 4] = ["boxcar", "hann", "hamming", "blackman"];
 /// What the register holds before the first sample.
@@ -210,10 +213,56 @@ impl<T: Real> FirLowPass<T> {
         }
         sums.into_iter().fold(T::ZERO, |total, sum| total + sum)
     }
+
+    /// [`Self::convolve`] for outputs one before the other: the same sums of each, side by side. `line` holds samples, newest first;
+    /// the first output begins with its first one.
+    #[inline(always)]
+    fn convolve_along(&self, line: &[T; CAPACITY + LANES]) -> [T; LANES] {
+        let rows = (self.rows.widen() as usize).min(CAPACITY / LANES);
+        let mut totals = [T::ZERO; LANES];
+        for lane in 0..LANES {
+            let mut sums = [T::ZERO; LANES];
+            for row in 0..rows {
+                let age = row * LANES + lane;
+                let tap = self.taps[age];
+                for k in 0..LANES {
+                    sums[k] += tap * line[age + k];
+                }
+            }
+            for k in 0..LANES {
+                totals[k] += sums[k];
+            }
+        }
+        totals
+    }
+
+    /// Filters as many samples as are ordinary, [`SPAN`] at most, in column `c` of a tile, and returns their number.
+    #[inline(always)]
+    fn along<const W: usize>(&self, state: &mut FirLowPassState<T>, tile: &mut [[T; W]], c: usize) -> usize {
+        let mut line = [T::ZERO; SPAN + CAPACITY];
+        line[SPAN..].copy_from_slice(&state.samples);
+        let mut count = 0;
+        for (place, row) in
+            line[..SPAN].iter_mut().rev().zip(&*tile).take_while(|(_, row)| row[c].magnitude() <= self.limit)
+        {
+            *place = row[c];
+            count += 1;
+        }
+        for (block, rows) in tile[..count].chunks_mut(LANES).enumerate() {
+            let Some(window) = line.get(SPAN - LANES - block * LANES..).and_then(<[T]>::first_chunk) else { break };
+            for (row, output) in rows.iter_mut().zip(self.convolve_along(window).into_iter().rev()) {
+                row[c] = output.flushed();
+                state.output = row[c];
+            }
+        }
+        state.samples.copy_from_slice(&line[SPAN - count..][..CAPACITY]);
+        count
+    }
 }
 
 impl<T: Real> Filter<T> for FirLowPass<T> {
     type State = FirLowPassState<T>;
+    const SIDE_BY_SIDE: bool = false;
 
     fn start(&self) -> FirLowPassState<T> {
         FirLowPassState { samples: [T::ZERO; CAPACITY], output: T::ZERO, started: T::ZERO }
@@ -262,6 +311,25 @@ impl<T: Real> Filter<T> for FirLowPass<T> {
             acceleration: T::ZERO,
             variance: self.variance,
             flags: checked.flags.with(Flags::NO_DATA_YET.when(state.started == T::ZERO)),
+        }
+    }
+
+    #[inline(always)]
+    fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        let time = Sample { value: T::ZERO, dt }.check(self.limit, self.period_s);
+        for c in 0..W {
+            let mut state: FirLowPassState<T> = block::load(lanes, c);
+            let mut done = 0;
+            while let Some(rest) = tile.get_mut(done..).filter(|rest| !rest.is_empty()) {
+                let ordinary = time.moves && !time.restart && state.started == T::ONE;
+                let along = if ordinary { self.along(&mut state, rest, c) } else { 0 };
+                done += along;
+                if let (0, Some(row)) = (along, rest.first_mut()) {
+                    row[c] = self.step(&mut state, Sample { value: row[c], dt }).rate;
+                    done += 1;
+                }
+            }
+            block::store(&state, lanes, c);
         }
     }
 }

@@ -150,6 +150,7 @@ fn learnt<T: Real>(history: &[T; ORDER], weights: &[T; ORDER], error: T, step_si
 
 impl<T: Real> Filter<T> for LinearPrediction<T> {
     type State = LinearPredictionState<T>;
+    const SIDE_BY_SIDE: bool = false;
 
     fn start(&self) -> LinearPredictionState<T> {
         let weights = [T::ONE / T::of(ORDER as f64); ORDER];

@@ -266,6 +266,7 @@ impl<T: Real> MsImmIkfPaper<T> {
 
 impl<T: Real> Filter<T> for MsImmIkfPaper<T> {
     type State = MsImmIkfPaperState<T>;
+    const SIDE_BY_SIDE: bool = false;
 
     fn start(&self) -> Self::State {
         self.start_at(T::ZERO)
