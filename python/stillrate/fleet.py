@@ -23,7 +23,10 @@ from stillrate.fleet_work import Record, Task, read_record, version, work
 from stillrate.io import readable
 from stillrate.io.safely import atomic, first_line, needs
 
+__all__ = ["Fleet", "Progress", "Record", "find_logs", "run"]
+
 SUMMARY = "summary.parquet"
+RECORDS = "records"
 _PATIENCE_S = 15
 _MAGIC = frozenset("*?[")
 
@@ -43,6 +46,12 @@ class Fleet:
         Logs that this run worked on; the others were finished before.
     summary : Path
         The table.
+
+    Examples
+    --------
+    >>> found = Fleet((Record("a.csv", samples=500), Record("b.csv", reason="the file is empty")), 2, Path("summary.parquet"))
+    >>> [record.name for record in found.broken]
+    ['b.csv']
     """
 
     records: tuple[Record, ...]
@@ -58,10 +67,22 @@ class Fleet:
 def find_logs(sources: Sequence[str | Path], out: Path) -> tuple[list[Path], Path]:
     """Return the logs that folders, globs and paths stand for, and the folder that they have in common.
 
+    Results of a fleet are no logs: `out`, and folders below the sources that hold those of another run, are left out.
+
     Raises
     ------
     LogError
         If there are none.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> for name in ("a.csv", "b.ulg", "notes.pdf"):
+    ...     (folder / name).touch()
+    >>> logs, base = find_logs([folder], folder / "out")
+    >>> [log.name for log in logs], base == folder
+    (['a.csv', 'b.ulg'], True)
     """
     found: set[Path] = set()
     for source in sources:
@@ -80,14 +101,18 @@ def find_logs(sources: Sequence[str | Path], out: Path) -> tuple[list[Path], Pat
 
 
 def _in_folder(folder: Path, out: Path) -> Iterator[Path]:
-    """Walk a folder; a ROS 2 bag is a folder itself, our own output is none of it."""
+    """Walk a folder; a ROS 2 bag is a folder itself, results of this run or of another are none of it."""
     for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or path.resolve() == out.resolve():
+        if path.name.startswith(".") or path.resolve() == out.resolve() or _holds_results(path):
             continue
         if path.is_dir() and not (path / "metadata.yaml").is_file():
             yield from _in_folder(path, out)
         elif path.is_dir() or path.suffix.lower() in readable():
             yield path
+
+
+def _holds_results(path: Path) -> bool:
+    return (path / RECORDS).is_dir() and (path / SUMMARY).is_file()
 
 
 def _is_plain_folder(name: str) -> bool:
@@ -136,11 +161,27 @@ def run(
         If there are no logs, a library is missing, or the scheduler cannot be reached.
     FileExistsError
         If results of other content or settings would be replaced and `force` is not set.
+
+    Examples
+    --------
+    Here with one worker process; a second run finds everything done.
+
+    >>> import tempfile
+    >>> import stillrate as sr
+    >>> from stillrate import demo
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> sr.write(folder / "flight.csv", demo.wave_log(demo.runs()))
+    >>> (folder / "empty.csv").touch()
+    >>> found = run([folder], folder / "out", method="pt1", workers=1)
+    >>> found.done, [(record.name, record.reason) for record in found.broken]
+    (2, [('empty.csv', 'the file is empty')])
+    >>> run([folder], folder / "out", method="pt1", workers=1).done
+    0
     """
     needs("polars", "fleet", "fleet")
     needs("distributed", "fleet", "fleet")
     out = Path(os.path.abspath(out))
-    if out.is_dir() and any(out.iterdir()) and not (out / "records").is_dir() and not force:
+    if out.is_dir() and any(out.iterdir()) and not (out / RECORDS).is_dir() and not force:
         raise FileExistsError(f"{out} is not empty and holds no fleet results: name another folder, or --force")
     tasks = _tasks(sources, out, config, method, dict(reading or {}))
     with ThreadPoolExecutor() as pool:
@@ -159,7 +200,7 @@ def run(
             f"{out} holds results of {len(stale)} logs with other content or settings, such as {stale[0]}:"
             " name another folder, or --force"
         )
-    (out / "records").mkdir(parents=True, exist_ok=True)
+    (out / RECORDS).mkdir(parents=True, exist_ok=True)
     if progress is not None:
         progress(len(finished), len(tasks))
     try:
@@ -183,7 +224,7 @@ def _tasks(
     tasks = {}
     for path in logs:
         name = path.relative_to(base).as_posix()
-        clean, record = out / "clean" / f"{name}.parquet", out / "records" / f"{name}.json"
+        clean, record = out / "clean" / f"{name}.parquet", out / RECORDS / f"{name}.json"
         tasks[name] = Task(name, str(path), str(clean), str(record), config, method, reading)
     return tasks
 
@@ -225,6 +266,8 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
                 processes=True,
                 host="127.0.0.1",
                 dashboard_address=None,
+                # The scheduler opens a port for figures all the same: any free one, lest it complain of a taken one.
+                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
                 silence_logs=logging.CRITICAL,
                 env=single,
             ) as cluster,
