@@ -81,6 +81,11 @@ class Record:
         A row of the summary for each channel.
     notes : list of str
         What a reader should know about the settings.
+
+    Examples
+    --------
+    >>> Record("a.csv", reason="the file is empty").broken, Record("b.csv", samples=500).broken
+    (True, False)
     """
 
     name: str

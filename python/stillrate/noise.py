@@ -179,6 +179,18 @@ class NoiseFromLog:
         Whether more than half of the log moves, or none of it is at rest.
     reason : str
         Where the figures came from, in words.
+
+    Examples
+    --------
+    In a log that never rests the density is an upper bound: a filter built on it smooths too much rather than too little.
+
+    >>> from stillrate import simulate
+    >>> resting = noise_from_log(simulate.static(50.0, 1).measured_dps, 50.0)[0]
+    >>> moving = noise_from_log(simulate.chirp(50.0, 1).measured_dps, 50.0)[0]
+    >>> resting.at_rest, moving.at_rest
+    (True, False)
+    >>> moving.gyro.density_dps_sqrt_hz > resting.gyro.density_dps_sqrt_hz
+    True
     """
 
     density_dps_sqrt_hz: float

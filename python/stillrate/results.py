@@ -140,7 +140,16 @@ class Trace:
 
     @classmethod
     def from_native(cls, dtype: str, **arrays: npt.NDArray[Any]) -> Trace:
-        """Build from the compiled half, in the precision of the filter (an exact conversion)."""
+        """Build from the compiled half, in the precision of the filter (an exact conversion).
+
+        Examples
+        --------
+        >>> names = [item.name for item in fields(Trace)]
+        >>> arrays = {name: np.zeros((2, 1), np.uint32 if name == "flags" else np.float64) for name in names}
+        >>> trace = Trace.from_native("float32", **arrays)
+        >>> trace.rate.dtype, trace.flags.dtype
+        (dtype('float32'), dtype('uint32'))
+        """
         return cls(**{name: a if name == "flags" else a.astype(dtype, copy=False) for name, a in arrays.items()})
 
     def __repr__(self) -> str:

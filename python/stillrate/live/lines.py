@@ -49,6 +49,14 @@ class LineFormat:
     >>> row = layout.parse(b"17;0.25;ok")
     >>> row.values, layout.format(row, [0.2])
     ([0.25], b'17;0.2;ok')
+
+    A header says it all; it is passed on, and after it the layout is ready.
+
+    >>> layout = LineFormat()
+    >>> layout.passes(b"time_ms,gz_rad_s"), layout.ready, layout.has_time, layout.names
+    (True, True, True, ['gz_rad_s'])
+    >>> layout.passes(b"20,0.5"), round(layout.parse(b"20,0.5").values[0], 3)
+    (False, 28.648)
     """
 
     def __init__(

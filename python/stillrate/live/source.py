@@ -110,6 +110,19 @@ def open_source(name: str, *, baud: int = 115200) -> Source:
     ------
     LogError
         If the name means nothing, is a file, or cannot be opened.
+
+    Examples
+    --------
+    Port 0 is any that is free; the source's name says which.
+
+    >>> from stillrate.live import open_sink
+    >>> source = open_source("udp://127.0.0.1:0")
+    >>> sink = open_sink(source.name)
+    >>> sink.write([b"0.1", b"0.2"])
+    >>> source.read().lines
+    [b'0.1', b'0.2']
+    >>> sink.close(), source.close()
+    (None, None)
     """
     if name == "-":
         return StandardInput()

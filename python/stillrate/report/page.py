@@ -29,10 +29,29 @@ _FINEST = 32
 def write_page(path: str | Path, done: Cleaned, *, force: bool = False) -> None:
     """Write the page of a filtered log.
 
+    Parameters
+    ----------
+    path : str or Path
+    done : Cleaned
+        What `stillrate.cleaning.clean` returned; with ``views=True`` the page shows the models' probabilities too.
+    force : bool
+        Overwrite an existing file.
+
     Raises
     ------
     FileExistsError
         If the file exists and `force` is not set.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stillrate import demo
+    >>> from stillrate.cleaning import clean, settings_for
+    >>> log = demo.wave_log(demo.runs())
+    >>> path = Path(tempfile.mkdtemp()) / "page.html"
+    >>> write_page(path, clean(log, settings_for(log)[0], views=True))
+    >>> "https://" in path.read_text(encoding="utf-8")  # nothing is fetched from elsewhere
+    False
     """
     text = render(done)
     with atomic(Path(path), force=force) as temporary:
