@@ -124,7 +124,7 @@ def noise_of(log: Log) -> tuple[dict[str, GyroNoise], list[str]]:
     """Measure each channel's noise; one that never rests gets the figures of those that do, if any does."""
     found = noise_from_log(log.rate_dps, log.sample_rate_hz)
     shared = GyroNoise.from_log(log.rate_dps, sample_rate_hz=log.sample_rate_hz)
-    resting = any(figures.at_rest for figures in found)
+    resting = any(figures.at_rest and not figures.constant for figures in found)
     noise, notes = {}, []
     for channel, figures in zip(log.channels, found, strict=True):
         if resting and not figures.at_rest:
@@ -132,7 +132,9 @@ def noise_of(log: Log) -> tuple[dict[str, GyroNoise], list[str]]:
             notes.append(f"{channel}: never at rest, the noise is that of the other channels")
             continue
         noise[channel] = figures.gyro
-        if not figures.at_rest:
+        if figures.constant:
+            notes.append(f"{channel}: {figures.reason}")
+        elif not figures.at_rest:
             notes.append(f"{channel}: its noise is an upper bound ({figures.reason})")
         elif figures.motion_dominated:
             span = f"samples {figures.quiet.start} to {figures.quiet.stop}"

@@ -16,7 +16,7 @@ import numpy as np
 from stillrate import metrics, simulate
 from stillrate._native import Filter
 from stillrate.config import Config, method_class, methods
-from stillrate.demo import STEP_DPS, STEP_S, STEP_UNTIL_S
+from stillrate.demo import STEP_UNTIL_S, step_settling_s
 from stillrate.io.log import Floats, Log
 from stillrate.noise import GyroNoise, noise_from_log
 
@@ -114,10 +114,7 @@ def compare_with_stretches(log: Log, names: tuple[str, ...] = ()) -> tuple[list[
     figures = noise_from_log(log.rate_dps, log.sample_rate_hz)
     for index, channel in enumerate(log.channels):
         raw = np.ascontiguousarray(log.rate_dps[:, index])
-        noise = GyroNoise(
-            density_dps_sqrt_hz=figures[index].density_dps_sqrt_hz,
-            rate_random_walk_dps_sqrt_s=figures[index].rate_random_walk_dps_sqrt_s,
-        )
+        noise = figures[index].gyro
         rest: slice | None = figures[index].quiet
         sigma = noise.density_dps_sqrt_hz * math.sqrt(log.sample_rate_hz)
         if metrics.rms_about_mean(raw[rest]) > REST_RATIO * sigma:
@@ -160,8 +157,9 @@ def _one(
     suppression = math.nan
     if rest is not None:
         moving[rest] = False
-        after = metrics.rms_about_mean(clean[rest])
-        suppression = metrics.rms_about_mean(raw[rest]) / after if after > 0 else math.inf
+        before, after = metrics.rms_about_mean(raw[rest]), metrics.rms_about_mean(clean[rest])
+        if before > 0:
+            suppression = before / after if after > 0 else math.inf
     distortion = metrics.rmse(clean[moving], raw[moving]) / sigma if moving.any() else math.nan
     lag = metrics.lag_ms(clean, raw, log.sample_rate_hz, max_lag_s=LAG_REACH_S) if moving.any() else math.nan
     return Comparison(
@@ -185,7 +183,4 @@ def _settling(config: Config, noise: GyroNoise) -> float:
     rate = config.sample_rate_hz
     gyro = simulate.GyroModel(density_dps_sqrt_hz=noise.density_dps_sqrt_hz)
     bed = simulate.steps(rate, 1, noise=gyro, duration_s=STEP_UNTIL_S + 1.0)
-    estimate = Filter(config).run(bed.measured_dps)
-    start, stop = round(STEP_S * rate), round(STEP_UNTIL_S * rate)
-    band = max(0.01 * STEP_DPS, 4.0 * noise.density_dps_sqrt_hz * math.sqrt(rate))
-    return metrics.settling(estimate, bed.truth_dps, rate, start=start, stop=stop, band=band).time_s
+    return step_settling_s(Filter(config).run(bed.measured_dps), bed, noise)

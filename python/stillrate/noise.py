@@ -157,8 +157,7 @@ class GyroNoise(_ByName):
         >>> bool(abs(noise.density_dps_sqrt_hz / 0.0151 - 1) < 0.1)
         True
         """
-        density, walk = _measure(z, sample_rate_hz)[1]
-        return cls(density_dps_sqrt_hz=density, rate_random_walk_dps_sqrt_s=walk)
+        return _as_a_filter_takes_them(*_measure(z, sample_rate_hz)[1])
 
 
 @dataclass(frozen=True)
@@ -187,8 +186,8 @@ class NoiseFromLog:
     >>> from stillrate import simulate
     >>> resting = noise_from_log(simulate.static(50.0, 1).measured_dps, 50.0)[0]
     >>> moving = noise_from_log(simulate.chirp(50.0, 1).measured_dps, 50.0)[0]
-    >>> resting.at_rest, moving.at_rest
-    (True, False)
+    >>> resting.at_rest, moving.at_rest, resting.constant
+    (True, False, False)
     >>> moving.gyro.density_dps_sqrt_hz > resting.gyro.density_dps_sqrt_hz
     True
     """
@@ -203,16 +202,18 @@ class NoiseFromLog:
 
     @property
     def gyro(self) -> GyroNoise:
-        """The two figures as a filter takes them."""
-        return GyroNoise(
-            density_dps_sqrt_hz=self.density_dps_sqrt_hz,
-            rate_random_walk_dps_sqrt_s=self.rate_random_walk_dps_sqrt_s,
-        )
+        """The two figures as a filter takes them: a channel that never changes gets the least density that is allowed."""
+        return _as_a_filter_takes_them(self.density_dps_sqrt_hz, self.rate_random_walk_dps_sqrt_s)
 
     @property
     def at_rest(self) -> bool:
         """Whether the figures come from a stretch at rest; otherwise they are an upper bound."""
         return not self.reason.startswith("motion dominates")
+
+    @property
+    def constant(self) -> bool:
+        """Whether all samples are equal, as those of a dead axis: there was no noise to measure."""
+        return self.reason.startswith("all samples are equal")
 
 
 def noise_from_log(z: Any, sample_rate_hz: float) -> list[NoiseFromLog]:
@@ -247,6 +248,15 @@ def noise_from_log(z: Any, sample_rate_hz: float) -> list[NoiseFromLog]:
     return [
         NoiseFromLog(**{**figures, "quiet": slice(*figures["quiet"])}) for figures in _measure(z, sample_rate_hz)[0]
     ]
+
+
+def _as_a_filter_takes_them(density: float, walk: float) -> GyroNoise:
+    from stillrate import _native
+
+    least = _native.setting_range("ms-imm-ikf", "noise.density_dps_sqrt_hz")
+    return GyroNoise(
+        density_dps_sqrt_hz=density if least is None else max(density, least[0]), rate_random_walk_dps_sqrt_s=walk
+    )
 
 
 def _measure(z: Any, sample_rate_hz: float) -> tuple[list[dict[str, Any]], tuple[float, float]]:
