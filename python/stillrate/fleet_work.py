@@ -18,7 +18,7 @@ from typing import Any
 from stillrate import __version__
 from stillrate.config import Config
 from stillrate.errors import ConfigError, LogError
-from stillrate.io.safely import atomic
+from stillrate.io.safely import write_text
 
 _LARGEST_RECORD = 10_000_000
 
@@ -121,8 +121,7 @@ def work(task: Task, fingerprint: str) -> Record:
         record = Record(task.name, "", f"{type(error).__name__}: {_words(error, task)}")
     path = Path(task.record)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic(path, force=True) as temporary:
-        temporary.write_text(json.dumps(dataclasses.asdict(record)), encoding="utf-8")
+    write_text(path, json.dumps(dataclasses.asdict(record)), force=True)
     return record
 
 

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from stillrate import _native
 from stillrate.arrays import as_column
+from stillrate.errors import ConfigError
 from stillrate.results import brief
 
 __all__ = [
@@ -165,6 +166,7 @@ def bed(
     >>> len(run.t_s), run.calm
     (9000, slice(6460, 9000, None))
     """
+    _check_seed(seed)
     numbers = None if noise is None else astuple(noise)
     found = _native.simulate_bed(kind, sample_rate_hz, seed, duration_s, waves_end_s, numbers, bound)
     found["scored"] = slice(*found["scored"])
@@ -230,6 +232,11 @@ def chirp(sample_rate_hz: float, seed: int, **options: Any) -> Bed:
     return bed("chirp", sample_rate_hz, seed, **options)
 
 
+def _check_seed(seed: int) -> None:
+    if not 0 <= seed < 1 << 64:
+        raise ConfigError(f"seed = {seed} (must be from 0 to 2**64 - 1)")
+
+
 @dataclass(frozen=True)
 class Reading:
     """What a simulated gyro reads of a motion, the truth (motion + drift) and the drift, in deg/s; arrays of shape (n,).
@@ -264,6 +271,7 @@ def gyro(motion_dps: Any, sample_rate_hz: float, seed: int, noise: GyroModel | N
     >>> set(reading.measured_dps % 0.5)
     {np.float64(0.0)}
     """
+    _check_seed(seed)
     numbers = astuple(noise if noise is not None else GyroModel())
     return Reading(*_native.simulate_gyro(as_column(motion_dps), sample_rate_hz, seed, numbers))
 

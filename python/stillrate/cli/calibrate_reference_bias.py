@@ -32,15 +32,15 @@ def command(
     attitude: str = "qw,qx,qy,qz",
     latitude_deg: float = 0.0,
     longitude_deg: float = 0.0,
-    mounting: Annotated[bool, Parameter(negative="")] = False,
-    lag: Annotated[bool, Parameter(negative="")] = False,
-    scale: Annotated[bool, Parameter(negative="")] = False,
+    mounting: bool = False,
+    lag: bool = False,
+    scale: bool = False,
     every_s: float | None = None,
     method: str = "exact",
     angle_random_walk: float = 0.3,
     reference_sigma_deg: float = 0.0,
-    ignore_earth: Annotated[bool, Parameter(negative="")] = False,
-    instantaneous: Annotated[bool, Parameter(negative="")] = False,
+    ignore_earth: bool = False,
+    instantaneous: bool = False,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     force: Force = False,
     reading: ReadOptions = _NO_READING,
@@ -56,9 +56,9 @@ def command(
     attitude
         The four quaternion columns, scalar first, separated by commas; empty or NaN where there is no fix.
     latitude_deg
-        Where the record was taken.
+        Latitude where the record was taken, north positive.
     longitude_deg
-        Where the record was taken.
+        Longitude where the record was taken, east positive.
     mounting
         Also estimate the rotation between reference and sensor.
     lag
@@ -70,7 +70,7 @@ def command(
     method
         exact, or one of the classical shortcuts: small-angle, small-angle-jacobian, mean-rate.
     angle_random_walk
-        Of the gyro, in deg/sqrt(h).
+        Angle random walk of the gyro in deg/sqrt(h).
     reference_sigma_deg
         White error of each fix in deg an axis.
     ignore_earth
@@ -110,10 +110,9 @@ def command(
         instantaneous=instantaneous,
     )
     if output is not None:
-        from stillrate.io.safely import atomic
+        from stillrate.io.safely import write_text
 
-        with atomic(output, force=force) as temporary:
-            temporary.write_text(json.dumps(_record(found), indent=1) + "\n", encoding="utf-8")
+        write_text(output, json.dumps(_record(found), indent=1) + "\n", force=force)
     console = Console()
     console.print(_table(found))
     if method == "exact" and not found.observable:

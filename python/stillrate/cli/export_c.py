@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, refuse_taken
+from stillrate.cli.options import Force, refuse_no_folder, refuse_taken
 
 
 def command(
@@ -38,6 +38,7 @@ def command(
     from stillrate.config import load_config
     from stillrate.io.safely import atomic
 
+    refuse_no_folder(output)
     settings = load_config(config)
     texts = _native.export_c(settings.method, settings.settings(), dtype == "float32")
     names = ["stillrate_config.h", "stillrate_selftest.h", "stillrate_config.rs", "stillrate.h"]

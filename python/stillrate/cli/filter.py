@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from stillrate.cli.options import Force, ReadOptions, load_settings, refuse_taken
-from stillrate.cli.problems import UsageError
+from stillrate.cli.problems import UsageError, naming
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -29,8 +29,8 @@ def command(
     config: Path | None = None,
     method: str | None = None,
     report: Path | None = None,
-    keep_raw: Annotated[bool, Parameter(negative="")] = False,
-    quiet: Annotated[bool, Parameter(negative="")] = False,
+    keep_raw: bool = False,
+    quiet: bool = False,
     force: Force = False,
     reading: ReadOptions = _NO_READING,
 ) -> int:
@@ -47,7 +47,7 @@ def command(
     config
         Settings as TOML, such as `stillrate tune` writes.
     method
-        Method by name, with settings from the log; default ms-imm-ikf.
+        Method by name, with settings from the log; default ms-imm-ikf. `stillrate compare` shows all of them.
     report
         Write a page with pictures as well (HTML).
     keep_raw
@@ -69,9 +69,11 @@ def command(
         raise UsageError(f"{output}: is the input itself")
     given = load_settings(config) if config is not None else None
     log = reading.read(source)
-    configs, notes = settings_for(log, method=method, config=given)
-    done = _run(log, configs, tuple(notes), views=report is not None, quiet=quiet)
-    io.write(output, _with_raw(done) if keep_raw else done.clean, force=force)
+    with naming(source):
+        configs, notes = settings_for(log, method=method, config=given)
+        done = _run(log, configs, tuple(notes), views=report is not None, quiet=quiet)
+        clean = _with_raw(done) if keep_raw else done.clean
+    io.write(output, clean, force=force)
     if report is not None:
         from stillrate.report import write_page
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, ReadOptions, load_settings
+from stillrate.cli.options import Force, ReadOptions, load_settings, refuse_no_folder
 from stillrate.cli.problems import UsageError
 
 if TYPE_CHECKING:
@@ -25,8 +25,8 @@ def command(
     method: str | None = None,
     scheduler: str | None = None,
     workers: int | None = None,
-    retry: Annotated[bool, Parameter(negative="")] = False,
-    quiet: Annotated[bool, Parameter(negative="")] = False,
+    retry: bool = False,
+    quiet: bool = False,
     force: Force = False,
     reading: ReadOptions = _NO_READING,
 ) -> int:
@@ -66,6 +66,7 @@ def command(
         raise UsageError("--config and --method exclude each other: the method stands in the settings")
     if workers is not None and workers < 1:
         raise UsageError(f"--workers {workers} (must be at least 1)")
+    refuse_no_folder(output)
     if method is not None:
         method_class(method)
     settings = load_settings(config) if config is not None else None
@@ -107,7 +108,7 @@ def _say(fleet: Fleet, console: Console, *, quiet: bool) -> None:
     if not quiet:
         before = len(fleet.records) - fleet.done
         console.print(
-            f"{len(fleet.records)} logs: {fleet.done} done now, {before} before, {len(fleet.broken)} broken;"
+            f"{len(fleet.records)} log{'' if len(fleet.records) == 1 else 's'}: {fleet.done} done now, {before} before, {len(fleet.broken)} broken;"
             f" see {fleet.summary}",
             highlight=False,
             markup=False,

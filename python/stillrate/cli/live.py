@@ -35,8 +35,8 @@ def command(
     unit: str | None = None,
     time_unit: str | None = None,
     baud: int = 115200,
-    rerun: Annotated[bool, Parameter(negative="")] = False,
-    quiet: Annotated[bool, Parameter(negative="")] = False,
+    rerun: bool = False,
+    quiet: bool = False,
 ) -> int:
     """Clean samples as they come, line by line: n lines in, n lines out; ctrl-C ends it with a summary.
 

@@ -58,7 +58,7 @@ class ReadOptions:
         }
 
 
-Force = Annotated[bool, Parameter(negative="", help="Overwrite existing files.")]
+Force = Annotated[bool, Parameter(help="Overwrite existing files.")]
 """An option of every command that writes."""
 
 
@@ -74,6 +74,12 @@ def refuse_taken(paths: list[Path], *, force: bool) -> None:
         refuse_existing(path, force=force)
 
 
+def refuse_no_folder(path: Path) -> None:
+    """Say before the work begins that an output cannot be the folder that it must be."""
+    if path.exists() and not path.is_dir():
+        raise UsageError(f"{path} is a file (must be a folder)")
+
+
 def load_settings(path: Path) -> Config:
     """Read a configuration; what is wrong with it names the file."""
     from stillrate.config import load_config
@@ -84,6 +90,3 @@ def load_settings(path: Path) -> Config:
     except ConfigError as error:
         text = str(error)
         raise ConfigError(text if text.startswith(str(path)) else f"{path}: {text}") from None
-
-
-__all__ = ["Force", "ReadOptions", "load_settings", "refuse_taken"]

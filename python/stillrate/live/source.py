@@ -56,9 +56,11 @@ class Udp:
     reconnections = 0
 
     def __init__(self, host: str, port: int) -> None:
-        family, kind, _, _, address = socket.getaddrinfo(
-            host or "0.0.0.0", port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE
-        )[0]
+        try:
+            found = socket.getaddrinfo(host or "0.0.0.0", port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE)[0]
+        except OSError as error:
+            raise LogError(f"udp://{host}:{port}: no such host ({error.strerror})") from None
+        family, kind, _, _, address = found
         self.dropped = 0
         self._socket = socket.socket(family, kind)
         try:

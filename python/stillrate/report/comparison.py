@@ -13,7 +13,7 @@ import numpy as np
 
 from stillrate.comparing import LAG_REACH_S, Comparison, Stretch
 from stillrate.io.log import Log
-from stillrate.io.safely import atomic
+from stillrate.io.safely import write_text
 from stillrate.report.packing import pack
 from stillrate.report.page import MAX_PAGE_BYTES
 from stillrate.report.shell import as_json, assemble, table
@@ -42,9 +42,7 @@ def write_page(path: str | Path, found: list[Compared], *, force: bool = False) 
     FileExistsError
         If the file exists and `force` is not set.
     """
-    text = render(found)
-    with atomic(Path(path), force=force) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(Path(path), render(found), force=force)
 
 
 def render(found: list[Compared]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from stillrate import __version__
 from stillrate.gimbal import Calibration
-from stillrate.io.safely import atomic
+from stillrate.io.safely import write_text
 
 UNITS = {
     "phi": ("urad", 1e6), "kg0": ("deg/h", 206264.80624709636), "kgI": ("deg/h/g", 206264.80624709636),
@@ -73,8 +73,7 @@ def write_page(path: Path, found: Calibration, source: str, method: str, *, forc
     FileExistsError
         If the file exists and `force` is not set.
     """
-    with atomic(path, force=force) as temporary:
-        temporary.write_text(render(found, source, method), encoding="utf-8")
+    write_text(path, render(found, source, method), force=force)
 
 
 def _tests(found: Calibration) -> str:

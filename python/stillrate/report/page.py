@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from stillrate.cleaning import Cleaned, View
-from stillrate.io.safely import atomic
+from stillrate.io.safely import write_text
 from stillrate.report import figures
 from stillrate.report.packing import pack
 from stillrate.report.shell import as_json, assemble, table
@@ -53,9 +53,7 @@ def write_page(path: str | Path, done: Cleaned, *, force: bool = False) -> None:
     >>> "https://" in path.read_text(encoding="utf-8")  # nothing is fetched from elsewhere
     False
     """
-    text = render(done)
-    with atomic(Path(path), force=force) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(Path(path), render(done), force=force)
 
 
 def render(done: Cleaned) -> str:
