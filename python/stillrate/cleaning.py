@@ -110,14 +110,29 @@ def settings_for(
     """
     rate = log.sample_rate_hz
     if config is not None:
-        notes = []
-        if abs(config.sample_rate_hz / rate - 1.0) > _RATE_TOLERANCE:
-            notes.append(f"the settings are for {config.sample_rate_hz:.6g} Hz: rebuilt for the log's {rate:.6g} Hz")
-            config = config.replace(sample_rate_hz=rate)
+        config, notes = at_rate(config, rate)
         return dict.fromkeys(log.channels, config), notes
     cls = method_class(DEFAULT_METHOD if method is None else method)
     noise, notes = noise_of(log)
     return {channel: cls(sample_rate_hz=rate, noise=figures) for channel, figures in noise.items()}, notes
+
+
+def at_rate(config: Config, rate_hz: float) -> tuple[Config, list[str]]:
+    """Return the configuration for a rate, and a note if it is not the one that was given: within 2 % the same will do.
+
+    Examples
+    --------
+    >>> from stillrate import Pt1
+    >>> slow = Pt1(sample_rate_hz=50.0)
+    >>> at_rate(slow, 50.2) == (slow, [])
+    True
+    >>> at_rate(slow, 100.0)[1]
+    ['the settings are for 50 Hz: rebuilt for 100 Hz']
+    """
+    if abs(rate_hz / config.sample_rate_hz - 1.0) <= _RATE_TOLERANCE:
+        return config, []
+    note = f"the settings are for {config.sample_rate_hz:.6g} Hz: rebuilt for {rate_hz:.6g} Hz"
+    return config.replace(sample_rate_hz=rate_hz), [note]
 
 
 def noise_of(log: Log) -> tuple[dict[str, GyroNoise], list[str]]:

@@ -10,16 +10,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from stillrate import methods, metrics, simulate
 from stillrate._native import Filter
 from stillrate.config import Config
-from stillrate.io.log import Log
+from stillrate.io.log import Floats, Log
 from stillrate.noise import GyroNoise
-
-Floats = npt.NDArray[np.float64]
 
 SEED = 20_251
 """Used nowhere else."""

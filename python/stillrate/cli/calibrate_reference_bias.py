@@ -173,11 +173,11 @@ def _record(found: ReferenceBias) -> dict[str, Any]:
 
 def _table(found: ReferenceBias) -> Table:
     import numpy as np
-    from rich.table import Table
 
-    table = Table(title="Gyro bias from the reference attitude")
-    for name in ("unknown", "estimate", "standard deviation", "after/before"):
-        table.add_column(name, justify="left" if name == "unknown" else "right")
+    from stillrate.tables import plain_table
+
+    heads = ("unknown", "estimate", "standard deviation", "after/before")
+    table = plain_table("Gyro bias from the reference attitude", heads, words=("unknown",))
     sigma = np.sqrt(np.diag(found.covariance))
     to_deg_h, to_deg = math.degrees(1.0) * 3600.0, math.degrees(1.0)
     values = {f"bias_{a}": (found.bias_rad_s[k], to_deg_h, "deg/h") for k, a in enumerate("xyz")}

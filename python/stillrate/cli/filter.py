@@ -125,25 +125,22 @@ def _with_raw(done: Cleaned) -> Log:
 
 def _summary(done: Cleaned) -> Table:
     """Return one row a channel: what the noise was, what was taken away."""
-    from rich import box
-    from rich.table import Table
-
     from stillrate.report.figures import axis_figures
+    from stillrate.tables import plain_table
 
     method = next(iter(done.configs.values())).method
     title = (
         f"{done.raw.meta.get('source', 'log')}: {len(done.raw)} samples at {done.raw.sample_rate_hz:.6g} Hz, {method}"
     )
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
-    for name in (
+    heads = (
         "channel",
         "noise density\n(deg/s)/√Hz",
         "quiet noise before\ndeg/s",
         "after\ndeg/s",
         "ratio",
         "taken away\ndeg/s RMS",
-    ):
-        table.add_column(name, justify="left" if name == "channel" else "right")
+    )
+    table = plain_table(title, heads, words=("channel",))
     for figures in axis_figures(done):
         table.add_row(*figures.cells())
     return table

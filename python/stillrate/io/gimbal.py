@@ -14,10 +14,9 @@ import numpy.typing as npt
 
 from stillrate.errors import LogError
 from stillrate.io import delimited, npz
+from stillrate.io.log import Floats
 from stillrate.io.safely import within_bounds
 from stillrate.io.table import Table
-
-Floats = npt.NDArray[np.float64]
 
 _COMMAND = (("wx_rad_s", "wy_rad_s", "wz_rad_s"), ("wx", "wy", "wz"))
 _FORCE = (("ax_m_s2", "ay_m_s2", "az_m_s2"), ("ax", "ay", "az"))
