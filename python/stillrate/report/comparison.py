@@ -51,7 +51,8 @@ def render(found: list[Compared]) -> str:
     pictured = len(found)
     while True:
         channels = [entry for index, log in enumerate(found) for entry in _channels(log, index < pictured)]
-        data = as_json({"unit": "deg/s", "reach_ms": 1e3 * LAG_REACH_S, "methods": methods, "channels": channels})
+        shared = {"unit": "deg/s", "reach_ms": 1e3 * LAG_REACH_S, "took_motion": _TOOK_MOTION}
+        data = as_json({**shared, "methods": methods, "channels": channels})
         if len(data) < MAX_PAGE_BYTES or pictured == 0:
             break
         pictured //= 2
@@ -61,7 +62,7 @@ def render(found: list[Compared]) -> str:
         title=f"{len(methods)} methods on {found[0].source if len(found) == 1 else f'{len(found)} logs'}",
         lead="What each gains where the sensor stands still, and what that costs where it moves.",
         body="comparison.html",
-        parts={"summary": _summary(found, methods, logs), "precision": left_out},
+        parts={"summary": _summary(found, methods, logs), "precision": left_out, "took": f"{_TOOK_MOTION:g}"},
         data=data,
         scripts=("plot.js", "touch.js", "unpack.js", "comparison.js"),
         styles=("page.css", "comparison.css"),
