@@ -10,13 +10,13 @@ import dataclasses
 import math
 import tomllib
 import zlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from stillrate import _native
-from stillrate.errors import ConfigError
+from stillrate.errors import ConfigError, nearest
 from stillrate.noise import GyroNoise
 
 # What to_toml writes; load_config reads no other.
@@ -214,23 +214,6 @@ def method_class(name: str) -> type[Config]:
     if name not in known:
         raise ConfigError(f"no method {name!r}{nearest(name, known, among=True)}")
     return known[name]
-
-
-def nearest(name: str, known: Iterable[str], *, among: bool = False) -> str:
-    """Return a hint at the known name that comes nearest; with `among`, all of them where none does.
-
-    Examples
-    --------
-    >>> nearest("cutof_hz", ["cutoff_hz", "quality"])
-    ": did you mean 'cutoff_hz'?"
-    """
-    import difflib
-
-    names = sorted(known)
-    near = difflib.get_close_matches(name, names, n=1) or [other for other in names if name and other.startswith(name)]
-    if near:
-        return f": did you mean {near[0]!r}?"
-    return f" (one of {', '.join(names)})" if among else ""
 
 
 def config_from_settings(method: str, settings: dict[str, Any]) -> Config:

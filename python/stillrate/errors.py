@@ -1,6 +1,8 @@
-"""The exceptions of the package."""
+"""The exceptions of the package, and the hint at a name that was meant."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 
 class ConfigError(ValueError):
@@ -33,3 +35,20 @@ class LogError(ValueError):
     ...     print(str(error).replace(str(path.parent), "logs"))
     logs/log.csv: no time column among gz_dps: give the rate (--rate HZ) or name it (--time)
     """
+
+
+def nearest(name: str, known: Iterable[str], *, among: bool = False) -> str:
+    """Return a hint at the known name that comes nearest; with `among`, all of them where none does.
+
+    Examples
+    --------
+    >>> nearest("cutof_hz", ["cutoff_hz", "quality"])
+    ": did you mean 'cutoff_hz'?"
+    """
+    import difflib
+
+    names = sorted(known)
+    near = difflib.get_close_matches(name, names, n=1) or [other for other in names if name and other.startswith(name)]
+    if near:
+        return f": did you mean {near[0]!r}?"
+    return f" (one of {', '.join(names)})" if among else ""

@@ -19,9 +19,10 @@ from typing import Any
 from stillrate import __version__
 from stillrate.config import Config
 from stillrate.errors import LogError
-from stillrate.fleet_work import Record, Task, read_record, version, work
+from stillrate.fleet_summary import write_summary
+from stillrate.fleet_work import Record, Task, read_record, version, work, would_replace
 from stillrate.io import readable
-from stillrate.io.safely import atomic, first_line, needs
+from stillrate.io.safely import first_line, needs
 
 __all__ = ["Fleet", "Progress", "Record", "find_logs", "run"]
 
@@ -194,7 +195,7 @@ def run(
                 continue
             finished[name] = record
     todo = [name for name in tasks if name not in finished]
-    stale = [name for name in todo if _would_replace(tasks[name], fingerprints[name])]
+    stale = [name for name in todo if would_replace(tasks[name], fingerprints[name])]
     if stale and not force:
         raise FileExistsError(
             f"{out} holds results of {len(stale)} logs with other content or settings, such as {stale[0]}:"
@@ -212,7 +213,7 @@ def run(
                         progress(len(finished), len(tasks))
     finally:
         records = tuple(finished[name] for name in tasks if name in finished)
-        _write_summary(out / SUMMARY, records)
+        write_summary(out / SUMMARY, records)
     return Fleet(records, len(todo), out / SUMMARY)
 
 
@@ -235,21 +236,6 @@ def _fingerprint(task: Task) -> str:
         return task.fingerprint()
     except OSError:
         return ""
-
-
-def _would_replace(task: Task, fingerprint: str) -> bool:
-    """Whether there is a result that this task would replace by another one."""
-    if not Path(task.clean).exists():
-        return False
-    import polars
-
-    from stillrate.io.parquet import KEY
-
-    try:
-        found = polars.read_parquet_metadata(task.clean).get(KEY, "")
-    except Exception:  # not Parquet at all
-        return True
-    return f'"fingerprint": "{fingerprint}"' not in found
 
 
 @contextmanager
@@ -302,41 +288,3 @@ def _work_all(client: Any, jobs: list[tuple[Task, str]]) -> Iterator[Record]:
         except Exception as error:  # the worker died, or cannot see the folder
             record = Record(futures[future].name, "", f"{type(error).__name__}: {first_line(error)}")
         yield record
-
-
-def _write_summary(path: Path, records: Sequence[Record]) -> None:
-    """Write one row a channel and one for each broken log; leave the file alone if it says the same."""
-    import polars
-
-    texts = ("log", "status", "reason", "channel", "method", "notes", "fingerprint")
-    counts = ("samples", "missing", "saturated", "bad_time")
-    figures = ("sample_rate_hz", "noise_density_dps_sqrt_hz", "quiet_before_dps", "quiet_after_dps", "removed_dps")
-    schema = {
-        **dict.fromkeys(texts[:4], polars.String),
-        "samples": polars.Int64,
-        **dict.fromkeys(("method",), polars.String),
-        **dict.fromkeys(figures, polars.Float64),
-        "in_motion": polars.Boolean,
-        **dict.fromkeys(counts[1:], polars.Int64),
-        **dict.fromkeys(texts[5:], polars.String),
-    }
-    rows: list[dict[str, Any]] = []
-    for record in records:
-        common = {
-            "log": record.name,
-            "status": "broken" if record.broken else "done",
-            "reason": record.reason or None,
-            "samples": None if record.broken else record.samples,
-            "sample_rate_hz": None if record.broken else record.sample_rate_hz,
-            "notes": "; ".join(record.notes) or None,
-            "fingerprint": record.fingerprint or None,
-        }
-        rows += [{**common, **channel} for channel in record.channels] or [common]
-    table = polars.DataFrame([{name: row.get(name) for name in schema} for row in rows], schema=schema)
-    try:
-        if path.exists() and polars.read_parquet(path).equals(table):
-            return
-    except Exception:  # a damaged summary is written anew
-        pass
-    with atomic(path, force=True) as temporary:
-        table.write_parquet(temporary)

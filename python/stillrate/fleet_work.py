@@ -180,3 +180,18 @@ def read_record(path: Path) -> Record | None:
         return None
     fine = isinstance(record.channels, list) and all(isinstance(row, dict) for row in record.channels)
     return record if fine and isinstance(record.reason, str) else None
+
+
+def would_replace(task: Task, fingerprint: str) -> bool:
+    """Whether there is a result that this task would replace by another one."""
+    if not Path(task.clean).exists():
+        return False
+    import polars
+
+    from stillrate.io.parquet import KEY
+
+    try:
+        found = polars.read_parquet_metadata(task.clean).get(KEY, "")
+    except Exception:  # not Parquet at all
+        return True
+    return f'"fingerprint": "{fingerprint}"' not in found

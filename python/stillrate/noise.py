@@ -13,8 +13,7 @@ class _ByName:
     def __new__(cls, *arguments: Any, **figures: Any) -> Self:
         known = [name for name in getattr(cls, "__dataclass_fields__", ()) if not name.startswith("_")]
         if arguments or not figures.keys() <= set(known):
-            from stillrate.config import nearest
-            from stillrate.errors import ConfigError
+            from stillrate.errors import ConfigError, nearest
 
             if arguments:
                 raise ConfigError(f"{cls.__name__} takes its figures by name: {known[0]}, or see from_datasheet")

@@ -42,6 +42,27 @@ def _word(value: Any) -> str:
 class Flags(IntFlag):
     """What happened to a sample.
 
+    Attributes
+    ----------
+    MISSING
+        NaN, infinite or masked: the filter coasted.
+    NO_DATA_YET
+        Nothing usable has come in so far: the output is a finite placeholder.
+    BAD_TIME
+        The time step was zero, negative or not finite: the sample was not used.
+    RESTARTED
+        The gap before was so long that the filter started anew.
+    SATURATED
+        At the sensor's rail: used as a one-sided bound.
+    OUTLIER
+        So far out that the outlier model took most of it.
+    DIVERGED
+        The filter lost its own state and started anew.
+    OUT_OF_RANGE
+        Beyond any physical rate: treated as missing.
+    CHANGE
+        A change detector fired.
+
     Examples
     --------
     >>> Flags(5)

@@ -82,6 +82,10 @@ class Bed:
 
     Attributes
     ----------
+    kind : str
+        The motion, as `bed` names it.
+    sample_rate_hz : float
+    seed : int
     t_s : ndarray, shape (n,)
         Time in s.
     motion_dps, drift_dps, truth_dps : ndarray, shape (n,)

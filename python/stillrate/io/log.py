@@ -108,6 +108,13 @@ class Log:
         The other columns.
     meta : dict
         Where it comes from: format, units, remarks, and how it was filtered.
+    layout : Layout
+        How the columns stood in the file, for who writes them back.
+
+    Attributes
+    ----------
+    timing : Timing
+        What the time stamps say.
 
     Raises
     ------
