@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, refuse_taken
+from stillrate.cli.options import Force, latitude_rad, refuse_taken
 
 if TYPE_CHECKING:
     from stillrate.gimbal import Calibration
@@ -87,7 +87,7 @@ def command(
         raise LogError(f"{commands}: no time in it: give --dt-s")
     head = gimbal.Head(
         gravity_m_s2=gravity_m_s2,
-        latitude_rad=math.radians(latitude_deg),
+        latitude_rad=latitude_rad(latitude_deg),
         gauge=gauge,  # type: ignore[arg-type]
         torquer=torquer,
         quadratic=quadratic,

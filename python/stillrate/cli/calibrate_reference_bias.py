@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, ReadOptions, refuse_taken
+from stillrate.cli.options import Force, ReadOptions, latitude_rad, refuse_taken
 from stillrate.cli.problems import UsageError
 
 if TYPE_CHECKING:
@@ -86,6 +86,13 @@ def command(
     from stillrate.bias import reference_bias
     from stillrate.errors import LogError
 
+    latitude = latitude_rad(latitude_deg)
+    if every_s is not None and not every_s > 0:
+        raise UsageError(f"--every-s {every_s:g} (must be > 0)")
+    if not angle_random_walk > 0:
+        raise UsageError(f"--angle-random-walk {angle_random_walk:g} (must be > 0 deg/sqrt(h))")
+    if not reference_sigma_deg >= 0:
+        raise UsageError(f"--reference-sigma-deg {reference_sigma_deg:g} (must be >= 0)")
     if output is not None:
         refuse_taken([output], force=force)
     log = reading.read(source)
@@ -98,7 +105,7 @@ def command(
         steps,
         index,
         quaternions,
-        math.radians(latitude_deg),
+        latitude,
         math.radians(longitude_deg),
         mounting,
         estimate_lag=lag,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -78,6 +79,13 @@ def refuse_no_folder(path: Path) -> None:
     """Say before the work begins that an output cannot be the folder that it must be."""
     if path.exists() and not path.is_dir():
         raise UsageError(f"{path} is a file (must be a folder)")
+
+
+def latitude_rad(latitude_deg: float) -> float:
+    """Return a latitude that was given in degrees; what is wrong with it is said in degrees."""
+    if not -90.0 <= latitude_deg <= 90.0:
+        raise UsageError(f"--latitude-deg {latitude_deg:g} (must be from -90 to 90)")
+    return math.radians(latitude_deg)
 
 
 def load_settings(path: Path) -> Config:
