@@ -177,6 +177,11 @@ def clean(
     progress : callable, optional
         Is told how many samples were done since the last call.
 
+    Raises
+    ------
+    LogError
+        If the log holds no samples.
+
     Examples
     --------
     >>> from stillrate import demo

@@ -32,6 +32,8 @@ REST_RATIO = 2.0
 # A picture shows so much of a log at rest and where it moves most, within bounds on its samples.
 STRETCH_S = 3.0
 STRETCH_SAMPLES = (100, 3000)
+AT_REST, MOVING = "at rest", "where it moves most"
+"""Titles of the two."""
 
 
 @dataclass(frozen=True)
@@ -140,12 +142,12 @@ def _stretches(log: Log, raw: Floats, rest: slice | None) -> dict[str, slice]:
     if rest is not None:
         length = min(count, rest.stop - rest.start)
         begin = (rest.start + rest.stop - length) // 2
-        found["at rest"] = slice(begin, begin + length)
+        found[AT_REST] = slice(begin, begin + length)
     starts = range(0, len(raw) - count + 1, max(1, count // 2))
     present = [begin for begin in starts if np.isfinite(raw[begin : begin + count]).any()]
     if present:
         begin = max(present, key=lambda at: metrics.rms_about_mean(raw[at : at + count]))
-        found["where it moves most"] = slice(begin, begin + count)
+        found[MOVING] = slice(begin, begin + count)
     return found
 
 

@@ -79,9 +79,9 @@ def command(
 
         write_page(report, done, force=force)
     if not quiet:
-        console = Console(stderr=True)
         from stillrate.report.figures import remarks
 
+        console = Console(stderr=True)
         console.print(_summary(done))
         for remark in remarks(done):
             console.print(f"  {remark}", highlight=False, markup=False)

@@ -40,6 +40,18 @@ class LineFormat:
     time_unit : str, optional
         Unit of the stamps, s, ms, us or ns; from the header or the rate when left out.
 
+    Attributes
+    ----------
+    names : list of str
+        The channels, once the layout is known.
+    time_unit_s : float or None
+        Seconds per unit of the stamps, where it was said.
+
+    Raises
+    ------
+    LogError
+        For a unit that is not known, and from `parse` or `passes` for columns that are not there.
+
     Examples
     --------
     >>> layout = LineFormat(columns=["2"])

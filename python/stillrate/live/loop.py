@@ -65,6 +65,13 @@ class Loop:
     tap : Tap, optional
         Is shown every sample.
 
+    Attributes
+    ----------
+    statistics : Statistics
+        Counts and times so far.
+    filter : Filter or None
+        The filter with its last estimate; None before the first good line, which says how many channels there are.
+
     Examples
     --------
     >>> import os

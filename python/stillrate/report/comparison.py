@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stillrate.comparing import LAG_REACH_S, Comparison, Stretch
+from stillrate.comparing import AT_REST, LAG_REACH_S, MOVING, Comparison, Stretch
 from stillrate.io.log import Log
 from stillrate.io.safely import write_text
 from stillrate.report.packing import pack
@@ -19,7 +19,7 @@ from stillrate.report.page import MAX_PAGE_BYTES
 from stillrate.report.shell import as_json, assemble, table
 
 _FINEST = 32
-_NAMES = {"at rest": "rest", "where it moves most": "motion"}
+_NAMES = {AT_REST: "rest", MOVING: "motion"}
 _TOOK_MOTION = 1.1
 """From this distortion on a page says that motion went with the noise: a filter that takes all noise and nothing else has 1."""
 
@@ -86,7 +86,7 @@ def _channels(log: Compared, pictured: bool) -> list[dict[str, Any]]:
 
 def _about(log: Compared, channel: str, stretches: list[Stretch]) -> str:
     noise = f", noise {stretches[0].sigma_dps:.3g} deg/s a sample" if stretches else ""
-    rests = "" if any(s.title == "at rest" for s in stretches) else "; it never rests"
+    rests = "" if any(s.title == AT_REST for s in stretches) else "; it never rests"
     size = f"{len(log.log):,} samples at {log.log.sample_rate_hz:.6g} Hz"
     return f"{log.source}, {channel}: {size}{noise}{rests}."
 

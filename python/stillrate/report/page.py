@@ -18,6 +18,7 @@ from stillrate.io.safely import write_text
 from stillrate.report import figures
 from stillrate.report.packing import pack
 from stillrate.report.shell import as_json, assemble, table
+from stillrate.results import Flags
 
 MAX_PAGE_BYTES = 7_500_000
 """Samples are packed more coarsely until the page is smaller."""
@@ -118,8 +119,6 @@ def _time(done: Cleaned) -> dict[str, Any]:
 
 
 def _flags(done: Cleaned, index: int) -> list[dict[str, Any]]:
-    from stillrate.results import Flags
-
     found = []
     for name, count in done.counts[done.raw.channels[index]].items():
         at = np.flatnonzero(done.flags[:, index] & Flags[name].value)
