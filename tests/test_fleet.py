@@ -170,7 +170,7 @@ def test_a_scheduler_that_is_not_there_is_named(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        ([], 2, "needs a folder"),
+        ([], 2, "FOLDER_OR_GLOB requires an argument"),
         (["nowhere/*.csv"], 1, "no logs in nowhere/*.csv"),
         (["logs", "--method", "pt11"], 2, "did you mean 'pt1'"),
         (["logs", "--workers", "0"], 2, "at least 1"),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from stillrate.cli.options import Force, ReadOptions, refuse_taken
-from stillrate.cli.problems import UsageError, naming
+from stillrate.cli.problems import naming
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -21,7 +21,7 @@ _NO_READING = ReadOptions()
 
 
 def command(
-    *sources: Annotated[Path, Parameter(name="IN")],
+    *sources: Annotated[Path, Parameter(name="IN", required=True)],
     method: Annotated[tuple[str, ...], Parameter(show_default=False)] = (),
     report: Path | None = None,
     force: Force = False,
@@ -43,8 +43,6 @@ def command(
     from stillrate.comparing import compare_with_stretches
     from stillrate.report.comparison import Compared, write_page
 
-    if not sources:
-        raise UsageError("compare needs a log")
     refuse_taken([report] if report else [], force=force)
     console = Console()
     found = []

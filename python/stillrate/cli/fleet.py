@@ -19,7 +19,7 @@ _NO_READING = ReadOptions()
 
 
 def command(
-    *sources: Annotated[str, Parameter(name="FOLDER_OR_GLOB")],
+    *sources: Annotated[str, Parameter(name="FOLDER_OR_GLOB", required=True)],
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     config: Path | None = None,
     method: str | None = None,
@@ -40,7 +40,7 @@ def command(
     sources
         Folders (with all folders in them), globs, or logs.
     output
-        Folder of the results.
+        Folder of the results, OUT above; made if missing.
     config
         Settings as TOML, such as `stillrate tune` writes; each log's own noise when left out.
     method
@@ -60,8 +60,6 @@ def command(
     from stillrate.config import method_class
     from stillrate.fleet import run
 
-    if not sources:
-        raise UsageError("fleet needs a folder, a glob or logs")
     if config is not None and method is not None:
         raise UsageError("--config and --method exclude each other: the method stands in the settings")
     if workers is not None and workers < 1:
