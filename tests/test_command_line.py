@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import re
 import subprocess
@@ -12,7 +13,8 @@ import numpy as np
 import pytest
 import stillrate as sr
 from stillrate import demo
-from stillrate.cli import main
+from stillrate.cli import CALIBRATIONS, COMMANDS, main
+from stillrate.io.safely import atomic
 
 ROOT = Path(__file__).parents[1]
 
@@ -104,6 +106,14 @@ def test_nothing_is_overwritten_unasked(log, tmp_path, capsys):
         (["filter", ".", "-o", "x.csv"], 1),
         (["simulate", "storm", "-o", "x.csv"], 2),
         (["simulate", "waves", "-o", "x.csv", "--rate", "0"], 2),
+        (["simulate", "waves", "-o", "x.csv", "--rate", "1e-9"], 2),
+        (["simulate", "waves", "-o", "x.csv", "--seed", "-1"], 2),
+        (["simulate", "waves", "-o", "x.csv", "--seed", str(2**64)], 2),
+        (["demo", "-o", "x", "--seed", str(2**70)], 2),
+        (["demo", "-o", "LOG"], 2),
+        (["fleet", "LOG", "-o", "LOG"], 2),
+        (["export-c", "x.toml", "-o", "LOG"], 2),
+        (["filter", "LOG", "-o", "x.csv", "--columns", "gx_dps,gx_dps"], 1),
     ],
 )
 def test_wrong_calls_say_so_in_one_line(log, tmp_path, monkeypatch, capsys, arguments, code):
@@ -113,6 +123,31 @@ def test_wrong_calls_say_so_in_one_line(log, tmp_path, monkeypatch, capsys, argu
     said = capsys.readouterr().err
     assert said.startswith("stillrate: ") and said.count("\n") == 1 and "Traceback" not in said
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_what_a_log_lacks_is_said_with_its_name(tmp_path, capsys):
+    path = tmp_path / "short.csv"
+    path.write_text("t_s,gx_dps,gx_dps_raw\n" + "".join(f"{k / 50},{k % 2},0\n" for k in range(5)))
+    for words in (["filter", "-o", str(tmp_path / "x.csv")], ["allan"], ["compare"]):
+        assert main([words[0], str(path), *words[1:]]) == 1
+        assert capsys.readouterr().err.startswith(f"stillrate: {path}: the record holds 5 usable samples")
+
+
+def test_a_file_that_cannot_be_written_is_named(tmp_path):
+    for error in (OSError(28, "No space left on device"), PermissionError("from another library")):
+        with pytest.raises(type(error)) as caught, atomic(tmp_path / "x.csv", force=False):
+            raise error
+        assert caught.value.filename == str(tmp_path / "x.csv") and not list(tmp_path.iterdir())
+
+
+def test_an_axis_that_never_changes_passes_and_is_remarked(tmp_path, capsys):
+    rows = np.random.default_rng(5).normal(0.0, 0.1, 500)
+    path = tmp_path / "dead.csv"
+    path.write_text("t_s,gx_dps,gy_dps\n" + "".join(f"{k / 50},{x:.6f},0.0\n" for k, x in enumerate(rows)))
+    assert main(["filter", str(path), "-o", str(tmp_path / "clean.csv")]) == 0
+    assert "gy_dps: all samples are equal" in capsys.readouterr().err
+    np.testing.assert_array_equal(sr.read(tmp_path / "clean.csv").rate_dps[:, 1], 0.0)
+    assert not sr.denoise(np.zeros(100), sample_rate_hz=50.0).any()
 
 
 DAMAGE = {
@@ -157,6 +192,16 @@ def test_help_does_not_import_the_numerics_of_commands():
     code = "import sys; from stillrate.cli import build; build(); print([m for m in sys.modules if 'cli.filter' in m])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("words", [[name] for name in COMMANDS] + [["calibrate", name] for name in CALIBRATIONS])
+def test_help_is_what_the_command_says_of_itself(words, capsys):
+    from importlib import import_module
+
+    assert main([*words, "--help"]) == 0
+    said = " ".join(re.sub("[│╭╮╰╯─]", " ", capsys.readouterr().out).split())
+    first = inspect.getdoc(import_module(f"stillrate.cli.{'_'.join(words).replace('-', '_')}").command).splitlines()[0]
+    assert first in said and "[default: False]" not in said
 
 
 def test_the_package_itself_imports_nothing_beyond_numpy():

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import socket
+import warnings
 
 import numpy as np
 import pytest
@@ -167,7 +170,7 @@ def test_a_scheduler_that_is_not_there_is_named(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        ([], 2, "needs a folder"),
+        ([], 2, "FOLDER_OR_GLOB requires an argument"),
         (["nowhere/*.csv"], 1, "no logs in nowhere/*.csv"),
         (["logs", "--method", "pt11"], 2, "did you mean 'pt1'"),
         (["logs", "--workers", "0"], 2, "at least 1"),
@@ -189,6 +192,26 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path, capsys):
     assert main(["fleet", str(tmp_path / "logs"), "-o", str(tmp_path / "out")]) == 2
     assert "holds no fleet results" in capsys.readouterr().err
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["thesis.tex"]
+
+
+def test_results_of_another_run_below_the_logs_are_no_logs(tmp_path):
+    sr.write(tmp_path / "flight.csv", sr.Log(t_s=np.arange(9) / 50.0, rate_dps=np.arange(9) % 2, channels=("gx_dps",)))
+    for out in ("slow", "fast"):
+        found = fleet.run([tmp_path], tmp_path / out, method="pt1", workers=1)
+        assert [record.name for record in found.records] == ["flight.csv"]
+    # Who names the results asks for them.
+    found, _ = fleet.find_logs([tmp_path / "slow"], tmp_path / "out")
+    assert [path.name for path in found] == ["flight.csv.parquet", "summary.parquet"]
+
+
+def test_a_taken_port_of_the_dashboard_is_no_news(tmp_path):
+    make_logs(tmp_path / "logs", 1)
+    with socket.socket() as taken, warnings.catch_warnings():
+        with contextlib.suppress(OSError):  # someone else has it: just as well
+            taken.bind(("127.0.0.1", 8787))
+            taken.listen()
+        warnings.simplefilter("error", UserWarning)
+        assert fleet.run([tmp_path / "logs/deep"], tmp_path / "out", method="pt1", workers=1).done == 2
 
 
 def test_a_record_that_cannot_be_read_is_none(tmp_path):

@@ -173,6 +173,17 @@ def test_the_command_line_writes_coefficients_and_a_page(run: dict[str, np.ndarr
     assert main(["calibrate", "gimbal", str(tmp_path / "none.npz")]) == 1
 
 
+def test_a_damaged_file_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, command_rad_s=np.ones((50, 3)), specific_force_m_s2=np.ones((51, 3)), dt_s=1.0)
+    whole = path.read_bytes()
+    for content in (whole[: len(whole) // 2], bytes(range(256)), whole[:100] + b"\0" * 60 + whole[160:]):
+        path.write_bytes(content)
+        assert main(["calibrate", "gimbal", str(path)]) == 1
+        said = capsys.readouterr().err
+        assert said.startswith(f"stillrate: {path}: ") and said.count("\n") == 1 and "allow_pickle" not in said
+
+
 @pytest.mark.long
 def test_the_study_meets_its_figures() -> None:
     from stillrate.reproduce.gimbal import study

@@ -20,6 +20,8 @@ def test_a_file_is_no_live_source(tmp_path):
         open_source(str(tmp_path / "log.csv"))
     with pytest.raises(LogError, match="udp://HOST:PORT"):
         open_source("udp://nowhere")
+    with pytest.raises(LogError, match=r"udp://nowhere\.invalid:5005: no such host"):
+        open_source("udp://nowhere.invalid:5005")
 
 
 def test_the_viewer_says_what_it_needs(monkeypatch):

@@ -95,6 +95,22 @@ def test_refuses_a_log_without_what_it_needs_in_one_line(tmp_path, capsys, optio
     assert words in said.err and said.err.count("\n") == 1 and not said.out
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ("--latitude-deg", "91"),
+        ("--every-s", "0"),
+        ("--every-s", "-1"),
+        ("--angle-random-walk", "-0.1"),
+        ("--reference-sigma-deg", "-1"),
+    ],
+)
+def test_what_is_wrong_with_an_option_is_said_in_the_units_of_the_option(tmp_path, capsys, wrong):
+    assert main(["calibrate", "reference-bias", write(tmp_path / "motion.csv"), *wrong]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"stillrate: {' '.join(wrong)} (must be ") and said.count("\n") == 1
+
+
 def test_refuses_a_file_that_is_not_there(tmp_path, capsys):
     assert run(str(tmp_path / "none.csv")) == 1
     assert "no such file" in capsys.readouterr().err

@@ -127,7 +127,7 @@ if not TYPE_CHECKING:
     def __getattr__(name: str) -> Any:
         """Import what is not needed for filtering when it is first asked for."""
         if name not in _LATER:
-            from stillrate.config import nearest
+            from stillrate.errors import nearest
 
             raise AttributeError(f"stillrate has no {name!r}{nearest(name, __all__)}", name=name)
         import importlib

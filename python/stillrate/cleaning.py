@@ -110,21 +110,36 @@ def settings_for(
     """
     rate = log.sample_rate_hz
     if config is not None:
-        notes = []
-        if abs(config.sample_rate_hz / rate - 1.0) > _RATE_TOLERANCE:
-            notes.append(f"the settings are for {config.sample_rate_hz:.6g} Hz: rebuilt for the log's {rate:.6g} Hz")
-            config = config.replace(sample_rate_hz=rate)
+        config, notes = at_rate(config, rate)
         return dict.fromkeys(log.channels, config), notes
     cls = method_class(DEFAULT_METHOD if method is None else method)
     noise, notes = noise_of(log)
     return {channel: cls(sample_rate_hz=rate, noise=figures) for channel, figures in noise.items()}, notes
 
 
+def at_rate(config: Config, rate_hz: float) -> tuple[Config, list[str]]:
+    """Return the configuration for a rate, and a note if it is not the one that was given: within 2 % the same will do.
+
+    Examples
+    --------
+    >>> from stillrate import Pt1
+    >>> slow = Pt1(sample_rate_hz=50.0)
+    >>> at_rate(slow, 50.2) == (slow, [])
+    True
+    >>> at_rate(slow, 100.0)[1]
+    ['the settings are for 50 Hz: rebuilt for 100 Hz']
+    """
+    if abs(rate_hz / config.sample_rate_hz - 1.0) <= _RATE_TOLERANCE:
+        return config, []
+    note = f"the settings are for {config.sample_rate_hz:.6g} Hz: rebuilt for {rate_hz:.6g} Hz"
+    return config.replace(sample_rate_hz=rate_hz), [note]
+
+
 def noise_of(log: Log) -> tuple[dict[str, GyroNoise], list[str]]:
     """Measure each channel's noise; one that never rests gets the figures of those that do, if any does."""
     found = noise_from_log(log.rate_dps, log.sample_rate_hz)
     shared = GyroNoise.from_log(log.rate_dps, sample_rate_hz=log.sample_rate_hz)
-    resting = any(figures.at_rest for figures in found)
+    resting = any(figures.at_rest and not figures.constant for figures in found)
     noise, notes = {}, []
     for channel, figures in zip(log.channels, found, strict=True):
         if resting and not figures.at_rest:
@@ -132,7 +147,9 @@ def noise_of(log: Log) -> tuple[dict[str, GyroNoise], list[str]]:
             notes.append(f"{channel}: never at rest, the noise is that of the other channels")
             continue
         noise[channel] = figures.gyro
-        if not figures.at_rest:
+        if figures.constant:
+            notes.append(f"{channel}: {figures.reason}")
+        elif not figures.at_rest:
             notes.append(f"{channel}: its noise is an upper bound ({figures.reason})")
         elif figures.motion_dominated:
             span = f"samples {figures.quiet.start} to {figures.quiet.stop}"
@@ -159,6 +176,11 @@ def clean(
         Keep probabilities and frequency for a picture.
     progress : callable, optional
         Is told how many samples were done since the last call.
+
+    Raises
+    ------
+    LogError
+        If the log holds no samples.
 
     Examples
     --------

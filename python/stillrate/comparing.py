@@ -16,7 +16,7 @@ import numpy as np
 from stillrate import metrics, simulate
 from stillrate._native import Filter
 from stillrate.config import Config, method_class, methods
-from stillrate.demo import STEP_DPS, STEP_S, STEP_UNTIL_S
+from stillrate.demo import STEP_UNTIL_S, step_settling_s
 from stillrate.io.log import Floats, Log
 from stillrate.noise import GyroNoise, noise_from_log
 
@@ -32,6 +32,8 @@ REST_RATIO = 2.0
 # A picture shows so much of a log at rest and where it moves most, within bounds on its samples.
 STRETCH_S = 3.0
 STRETCH_SAMPLES = (100, 3000)
+AT_REST, MOVING = "at rest", "where it moves most"
+"""Titles of the two."""
 
 
 @dataclass(frozen=True)
@@ -114,10 +116,7 @@ def compare_with_stretches(log: Log, names: tuple[str, ...] = ()) -> tuple[list[
     figures = noise_from_log(log.rate_dps, log.sample_rate_hz)
     for index, channel in enumerate(log.channels):
         raw = np.ascontiguousarray(log.rate_dps[:, index])
-        noise = GyroNoise(
-            density_dps_sqrt_hz=figures[index].density_dps_sqrt_hz,
-            rate_random_walk_dps_sqrt_s=figures[index].rate_random_walk_dps_sqrt_s,
-        )
+        noise = figures[index].gyro
         rest: slice | None = figures[index].quiet
         sigma = noise.density_dps_sqrt_hz * math.sqrt(log.sample_rate_hz)
         if metrics.rms_about_mean(raw[rest]) > REST_RATIO * sigma:
@@ -143,12 +142,12 @@ def _stretches(log: Log, raw: Floats, rest: slice | None) -> dict[str, slice]:
     if rest is not None:
         length = min(count, rest.stop - rest.start)
         begin = (rest.start + rest.stop - length) // 2
-        found["at rest"] = slice(begin, begin + length)
+        found[AT_REST] = slice(begin, begin + length)
     starts = range(0, len(raw) - count + 1, max(1, count // 2))
     present = [begin for begin in starts if np.isfinite(raw[begin : begin + count]).any()]
     if present:
         begin = max(present, key=lambda at: metrics.rms_about_mean(raw[at : at + count]))
-        found["where it moves most"] = slice(begin, begin + count)
+        found[MOVING] = slice(begin, begin + count)
     return found
 
 
@@ -160,8 +159,9 @@ def _one(
     suppression = math.nan
     if rest is not None:
         moving[rest] = False
-        after = metrics.rms_about_mean(clean[rest])
-        suppression = metrics.rms_about_mean(raw[rest]) / after if after > 0 else math.inf
+        before, after = metrics.rms_about_mean(raw[rest]), metrics.rms_about_mean(clean[rest])
+        if before > 0:
+            suppression = before / after if after > 0 else math.inf
     distortion = metrics.rmse(clean[moving], raw[moving]) / sigma if moving.any() else math.nan
     lag = metrics.lag_ms(clean, raw, log.sample_rate_hz, max_lag_s=LAG_REACH_S) if moving.any() else math.nan
     return Comparison(
@@ -185,7 +185,4 @@ def _settling(config: Config, noise: GyroNoise) -> float:
     rate = config.sample_rate_hz
     gyro = simulate.GyroModel(density_dps_sqrt_hz=noise.density_dps_sqrt_hz)
     bed = simulate.steps(rate, 1, noise=gyro, duration_s=STEP_UNTIL_S + 1.0)
-    estimate = Filter(config).run(bed.measured_dps)
-    start, stop = round(STEP_S * rate), round(STEP_UNTIL_S * rate)
-    band = max(0.01 * STEP_DPS, 4.0 * noise.density_dps_sqrt_hz * math.sqrt(rate))
-    return metrics.settling(estimate, bed.truth_dps, rate, start=start, stop=stop, band=band).time_s
+    return step_settling_s(Filter(config).run(bed.measured_dps), bed, noise)

@@ -10,13 +10,13 @@ import dataclasses
 import math
 import tomllib
 import zlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from stillrate import _native
-from stillrate.errors import ConfigError
+from stillrate.errors import ConfigError, nearest
 from stillrate.noise import GyroNoise
 
 # What to_toml writes; load_config reads no other.
@@ -40,6 +40,15 @@ class Config:
     ------
     ConfigError
         If a setting is out of range; the text names field, value, unit and range.
+
+    Examples
+    --------
+    A configuration shows every setting in force, those that were left out too.
+
+    >>> from stillrate import OneEuro
+    >>> config = OneEuro(sample_rate_hz=50.0)
+    >>> isinstance(config, Config), config.method, config.minimum_cutoff_hz
+    (True, 'one-euro', 0.2)
     """
 
     method: ClassVar[str] = ""
@@ -71,7 +80,14 @@ class Config:
                 object.__setattr__(self, name, tuple(value) if isinstance(value, list) else value)
 
     def settings(self) -> dict[str, float | str | list[float]]:
-        """Return every setting by name, noise figures with the prefix ``noise.``; settings left open are left out."""
+        """Return every setting by name, noise figures with the prefix ``noise.``; settings left open are left out.
+
+        Examples
+        --------
+        >>> from stillrate import Pt1
+        >>> Pt1(sample_rate_hz=1000.0).settings()
+        {'sample_rate_hz': 1000.0, 'cutoff_hz': 20.0}
+        """
         found: dict[str, float | str | list[float]] = {}
         for item in dataclasses.fields(self):
             value = getattr(self, item.name)
@@ -92,6 +108,14 @@ class Config:
 
         A memory can be given in seconds or as a factor a sample. The one that is changed decides; at another sample rate the
         seconds stay.
+
+        Examples
+        --------
+        >>> from stillrate import RecursiveLeastSquares
+        >>> slow = RecursiveLeastSquares(sample_rate_hz=50.0, tau_s=0.1)
+        >>> fast = slow.replace(sample_rate_hz=500.0)
+        >>> fast.tau_s, round(slow.forgetting_factor, 4), round(fast.forgetting_factor, 4)
+        (0.1, 0.8187, 0.9802)
         """
         if {"tau_s", "forgetting_factor"} <= self.__dataclass_fields__.keys():
             if "forgetting_factor" in changes:
@@ -109,6 +133,17 @@ class Config:
         ------
         FileExistsError
             If the file exists.
+
+        Examples
+        --------
+        >>> from stillrate import Pt1
+        >>> print(Pt1(sample_rate_hz=50.0, cutoff_hz=8.0).to_toml())
+        method = "pt1"
+        format = 1
+        checksum = "4016edb3"
+        sample_rate_hz = 50.0
+        cutoff_hz = 8.0
+        <BLANKLINE>
         """
         settings = self.settings()
         lines = [f'method = "{self.method}"', f"format = {_FORMAT}", f'checksum = "{_checksum(self.method, settings)}"']
@@ -179,23 +214,6 @@ def method_class(name: str) -> type[Config]:
     if name not in known:
         raise ConfigError(f"no method {name!r}{nearest(name, known, among=True)}")
     return known[name]
-
-
-def nearest(name: str, known: Iterable[str], *, among: bool = False) -> str:
-    """Return a hint at the known name that comes nearest; with `among`, all of them where none does.
-
-    Examples
-    --------
-    >>> nearest("cutof_hz", ["cutoff_hz", "quality"])
-    ": did you mean 'cutoff_hz'?"
-    """
-    import difflib
-
-    names = sorted(known)
-    near = difflib.get_close_matches(name, names, n=1) or [other for other in names if name and other.startswith(name)]
-    if near:
-        return f": did you mean {near[0]!r}?"
-    return f" (one of {', '.join(names)})" if among else ""
 
 
 def config_from_settings(method: str, settings: dict[str, Any]) -> Config:

@@ -10,16 +10,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from stillrate import methods, metrics, simulate
 from stillrate._native import Filter
 from stillrate.config import Config
-from stillrate.io.log import Log
+from stillrate.io.log import Floats, Log
 from stillrate.noise import GyroNoise
-
-Floats = npt.NDArray[np.float64]
 
 SEED = 20_251
 """Used nowhere else."""
@@ -127,19 +122,22 @@ def score_one(name: str, found: Runs, static: Floats, waves: Floats, steps: Floa
     rate = found.static.sample_rate_hz
     settled = slice(found.static.scored.start, found.static.scored.stop)
     scored, calm = found.waves.scored, found.calm
-    settling = math.nan
-    if steps is not None:
-        start, stop = round(STEP_S * rate), round(STEP_UNTIL_S * rate)
-        band = max(0.01 * STEP_DPS, 4.0 * found.noise.density_dps_sqrt_hz * math.sqrt(rate))
-        settling = metrics.settling(steps, found.steps.truth_dps, rate, start=start, stop=stop, band=band).time_s
     return Row(
         name=name,
         static_dps=metrics.rmse(static[settled], found.static.truth_dps[settled]),
         waves_dps=metrics.rmse(waves[scored], found.waves.truth_dps[scored]),
         calm_dps=metrics.rmse(waves[calm], found.waves.truth_dps[calm]),
         lag_ms=metrics.lag_ms(waves[scored], found.waves.truth_dps[scored], rate),
-        settling_s=settling,
+        settling_s=math.nan if steps is None else step_settling_s(steps, found.steps, found.noise),
     )
+
+
+def step_settling_s(estimate: Floats, bed: simulate.Bed, noise: GyroNoise) -> float:
+    """Return the time until the step of a steps run is followed within 1 %, or within the noise where that is wider."""
+    rate = bed.sample_rate_hz
+    start, stop = round(STEP_S * rate), round(STEP_UNTIL_S * rate)
+    band = max(0.01 * STEP_DPS, 4.0 * noise.density_dps_sqrt_hz * math.sqrt(rate))
+    return metrics.settling(estimate, bed.truth_dps, rate, start=start, stop=stop, band=band).time_s
 
 
 def wave_log(found: Runs) -> Log:

@@ -19,11 +19,15 @@ from typing import Any
 from stillrate import __version__
 from stillrate.config import Config
 from stillrate.errors import LogError
-from stillrate.fleet_work import Record, Task, read_record, version, work
+from stillrate.fleet_summary import write_summary
+from stillrate.fleet_work import Record, Task, read_record, version, work, would_replace
 from stillrate.io import readable
-from stillrate.io.safely import atomic, first_line, needs
+from stillrate.io.safely import first_line, needs
+
+__all__ = ["Fleet", "Progress", "Record", "find_logs", "run"]
 
 SUMMARY = "summary.parquet"
+RECORDS = "records"
 _PATIENCE_S = 15
 _MAGIC = frozenset("*?[")
 
@@ -43,6 +47,12 @@ class Fleet:
         Logs that this run worked on; the others were finished before.
     summary : Path
         The table.
+
+    Examples
+    --------
+    >>> found = Fleet((Record("a.csv", samples=500), Record("b.csv", reason="the file is empty")), 2, Path("summary.parquet"))
+    >>> [record.name for record in found.broken]
+    ['b.csv']
     """
 
     records: tuple[Record, ...]
@@ -58,10 +68,22 @@ class Fleet:
 def find_logs(sources: Sequence[str | Path], out: Path) -> tuple[list[Path], Path]:
     """Return the logs that folders, globs and paths stand for, and the folder that they have in common.
 
+    Results of a fleet are no logs: `out`, and folders below the sources that hold those of another run, are left out.
+
     Raises
     ------
     LogError
         If there are none.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> for name in ("a.csv", "b.ulg", "notes.pdf"):
+    ...     (folder / name).touch()
+    >>> logs, base = find_logs([folder], folder / "out")
+    >>> [log.name for log in logs], base == folder
+    (['a.csv', 'b.ulg'], True)
     """
     found: set[Path] = set()
     for source in sources:
@@ -80,14 +102,18 @@ def find_logs(sources: Sequence[str | Path], out: Path) -> tuple[list[Path], Pat
 
 
 def _in_folder(folder: Path, out: Path) -> Iterator[Path]:
-    """Walk a folder; a ROS 2 bag is a folder itself, our own output is none of it."""
+    """Walk a folder; a ROS 2 bag is a folder itself, results of this run or of another are none of it."""
     for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or path.resolve() == out.resolve():
+        if path.name.startswith(".") or path.resolve() == out.resolve() or _holds_results(path):
             continue
         if path.is_dir() and not (path / "metadata.yaml").is_file():
             yield from _in_folder(path, out)
         elif path.is_dir() or path.suffix.lower() in readable():
             yield path
+
+
+def _holds_results(path: Path) -> bool:
+    return (path / RECORDS).is_dir() and (path / SUMMARY).is_file()
 
 
 def _is_plain_folder(name: str) -> bool:
@@ -136,11 +162,27 @@ def run(
         If there are no logs, a library is missing, or the scheduler cannot be reached.
     FileExistsError
         If results of other content or settings would be replaced and `force` is not set.
+
+    Examples
+    --------
+    Here with one worker process; a second run finds everything done.
+
+    >>> import tempfile
+    >>> import stillrate as sr
+    >>> from stillrate import demo
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> sr.write(folder / "flight.csv", demo.wave_log(demo.runs()))
+    >>> (folder / "empty.csv").touch()
+    >>> found = run([folder], folder / "out", method="pt1", workers=1)
+    >>> found.done, [(record.name, record.reason) for record in found.broken]
+    (2, [('empty.csv', 'the file is empty')])
+    >>> run([folder], folder / "out", method="pt1", workers=1).done
+    0
     """
     needs("polars", "fleet", "fleet")
     needs("distributed", "fleet", "fleet")
     out = Path(os.path.abspath(out))
-    if out.is_dir() and any(out.iterdir()) and not (out / "records").is_dir() and not force:
+    if out.is_dir() and any(out.iterdir()) and not (out / RECORDS).is_dir() and not force:
         raise FileExistsError(f"{out} is not empty and holds no fleet results: name another folder, or --force")
     tasks = _tasks(sources, out, config, method, dict(reading or {}))
     with ThreadPoolExecutor() as pool:
@@ -153,13 +195,13 @@ def run(
                 continue
             finished[name] = record
     todo = [name for name in tasks if name not in finished]
-    stale = [name for name in todo if _would_replace(tasks[name], fingerprints[name])]
+    stale = [name for name in todo if would_replace(tasks[name], fingerprints[name])]
     if stale and not force:
         raise FileExistsError(
             f"{out} holds results of {len(stale)} logs with other content or settings, such as {stale[0]}:"
             " name another folder, or --force"
         )
-    (out / "records").mkdir(parents=True, exist_ok=True)
+    (out / RECORDS).mkdir(parents=True, exist_ok=True)
     if progress is not None:
         progress(len(finished), len(tasks))
     try:
@@ -171,7 +213,7 @@ def run(
                         progress(len(finished), len(tasks))
     finally:
         records = tuple(finished[name] for name in tasks if name in finished)
-        _write_summary(out / SUMMARY, records)
+        write_summary(out / SUMMARY, records)
     return Fleet(records, len(todo), out / SUMMARY)
 
 
@@ -183,7 +225,7 @@ def _tasks(
     tasks = {}
     for path in logs:
         name = path.relative_to(base).as_posix()
-        clean, record = out / "clean" / f"{name}.parquet", out / "records" / f"{name}.json"
+        clean, record = out / "clean" / f"{name}.parquet", out / RECORDS / f"{name}.json"
         tasks[name] = Task(name, str(path), str(clean), str(record), config, method, reading)
     return tasks
 
@@ -194,21 +236,6 @@ def _fingerprint(task: Task) -> str:
         return task.fingerprint()
     except OSError:
         return ""
-
-
-def _would_replace(task: Task, fingerprint: str) -> bool:
-    """Whether there is a result that this task would replace by another one."""
-    if not Path(task.clean).exists():
-        return False
-    import polars
-
-    from stillrate.io.parquet import KEY
-
-    try:
-        found = polars.read_parquet_metadata(task.clean).get(KEY, "")
-    except Exception:  # not Parquet at all
-        return True
-    return f'"fingerprint": "{fingerprint}"' not in found
 
 
 @contextmanager
@@ -225,6 +252,8 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
                 processes=True,
                 host="127.0.0.1",
                 dashboard_address=None,
+                # The scheduler opens a port for figures all the same: any free one, lest it complain of a taken one.
+                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
                 silence_logs=logging.CRITICAL,
                 env=single,
             ) as cluster,
@@ -259,41 +288,3 @@ def _work_all(client: Any, jobs: list[tuple[Task, str]]) -> Iterator[Record]:
         except Exception as error:  # the worker died, or cannot see the folder
             record = Record(futures[future].name, "", f"{type(error).__name__}: {first_line(error)}")
         yield record
-
-
-def _write_summary(path: Path, records: Sequence[Record]) -> None:
-    """Write one row a channel and one for each broken log; leave the file alone if it says the same."""
-    import polars
-
-    texts = ("log", "status", "reason", "channel", "method", "notes", "fingerprint")
-    counts = ("samples", "missing", "saturated", "bad_time")
-    figures = ("sample_rate_hz", "noise_density_dps_sqrt_hz", "quiet_before_dps", "quiet_after_dps", "removed_dps")
-    schema = {
-        **dict.fromkeys(texts[:4], polars.String),
-        "samples": polars.Int64,
-        **dict.fromkeys(("method",), polars.String),
-        **dict.fromkeys(figures, polars.Float64),
-        "in_motion": polars.Boolean,
-        **dict.fromkeys(counts[1:], polars.Int64),
-        **dict.fromkeys(texts[5:], polars.String),
-    }
-    rows: list[dict[str, Any]] = []
-    for record in records:
-        common = {
-            "log": record.name,
-            "status": "broken" if record.broken else "done",
-            "reason": record.reason or None,
-            "samples": None if record.broken else record.samples,
-            "sample_rate_hz": None if record.broken else record.sample_rate_hz,
-            "notes": "; ".join(record.notes) or None,
-            "fingerprint": record.fingerprint or None,
-        }
-        rows += [{**common, **channel} for channel in record.channels] or [common]
-    table = polars.DataFrame([{name: row.get(name) for name in schema} for row in rows], schema=schema)
-    try:
-        if path.exists() and polars.read_parquet(path).equals(table):
-            return
-    except Exception:  # a damaged summary is written anew
-        pass
-    with atomic(path, force=True) as temporary:
-        table.write_parquet(temporary)

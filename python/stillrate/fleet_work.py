@@ -18,7 +18,7 @@ from typing import Any
 from stillrate import __version__
 from stillrate.config import Config
 from stillrate.errors import ConfigError, LogError
-from stillrate.io.safely import atomic
+from stillrate.io.safely import write_text
 
 _LARGEST_RECORD = 10_000_000
 
@@ -81,6 +81,11 @@ class Record:
         A row of the summary for each channel.
     notes : list of str
         What a reader should know about the settings.
+
+    Examples
+    --------
+    >>> Record("a.csv", reason="the file is empty").broken, Record("b.csv", samples=500).broken
+    (True, False)
     """
 
     name: str
@@ -116,8 +121,7 @@ def work(task: Task, fingerprint: str) -> Record:
         record = Record(task.name, "", f"{type(error).__name__}: {_words(error, task)}")
     path = Path(task.record)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic(path, force=True) as temporary:
-        temporary.write_text(json.dumps(dataclasses.asdict(record)), encoding="utf-8")
+    write_text(path, json.dumps(dataclasses.asdict(record)), force=True)
     return record
 
 
@@ -176,3 +180,18 @@ def read_record(path: Path) -> Record | None:
         return None
     fine = isinstance(record.channels, list) and all(isinstance(row, dict) for row in record.channels)
     return record if fine and isinstance(record.reason, str) else None
+
+
+def would_replace(task: Task, fingerprint: str) -> bool:
+    """Whether there is a result that this task would replace by another one."""
+    if not Path(task.clean).exists():
+        return False
+    import polars
+
+    from stillrate.io.parquet import KEY
+
+    try:
+        found = polars.read_parquet_metadata(task.clean).get(KEY, "")
+    except Exception:  # not Parquet at all
+        return True
+    return f'"fingerprint": "{fingerprint}"' not in found

@@ -16,7 +16,14 @@ __all__ = ["Settling", "lag_ms", "nees_mean", "pit_variance", "rms_about_mean", 
 
 
 class Settling(NamedTuple):
-    """Largest error after a step, and the time in s until it stays within the band (inf: it does not)."""
+    """Largest error after a step, and the time in s until it stays within the band (inf: it does not).
+
+    Examples
+    --------
+    >>> found = settling([0.0, 2.0, 4.0, 4.0, 4.0], [5.0] * 5, 10.0, start=0, stop=5, band=0.5)
+    >>> found.peak, found.time_s
+    (5.0, inf)
+    """
 
     peak: float
     time_s: float

@@ -13,8 +13,7 @@ class _ByName:
     def __new__(cls, *arguments: Any, **figures: Any) -> Self:
         known = [name for name in getattr(cls, "__dataclass_fields__", ()) if not name.startswith("_")]
         if arguments or not figures.keys() <= set(known):
-            from stillrate.config import nearest
-            from stillrate.errors import ConfigError
+            from stillrate.errors import ConfigError, nearest
 
             if arguments:
                 raise ConfigError(f"{cls.__name__} takes its figures by name: {known[0]}, or see from_datasheet")
@@ -157,8 +156,7 @@ class GyroNoise(_ByName):
         >>> bool(abs(noise.density_dps_sqrt_hz / 0.0151 - 1) < 0.1)
         True
         """
-        density, walk = _measure(z, sample_rate_hz)[1]
-        return cls(density_dps_sqrt_hz=density, rate_random_walk_dps_sqrt_s=walk)
+        return _as_a_filter_takes_them(*_measure(z, sample_rate_hz)[1])
 
 
 @dataclass(frozen=True)
@@ -179,6 +177,18 @@ class NoiseFromLog:
         Whether more than half of the log moves, or none of it is at rest.
     reason : str
         Where the figures came from, in words.
+
+    Examples
+    --------
+    In a log that never rests the density is an upper bound: a filter built on it smooths too much rather than too little.
+
+    >>> from stillrate import simulate
+    >>> resting = noise_from_log(simulate.static(50.0, 1).measured_dps, 50.0)[0]
+    >>> moving = noise_from_log(simulate.chirp(50.0, 1).measured_dps, 50.0)[0]
+    >>> resting.at_rest, moving.at_rest, resting.constant
+    (True, False, False)
+    >>> moving.gyro.density_dps_sqrt_hz > resting.gyro.density_dps_sqrt_hz
+    True
     """
 
     density_dps_sqrt_hz: float
@@ -191,16 +201,18 @@ class NoiseFromLog:
 
     @property
     def gyro(self) -> GyroNoise:
-        """The two figures as a filter takes them."""
-        return GyroNoise(
-            density_dps_sqrt_hz=self.density_dps_sqrt_hz,
-            rate_random_walk_dps_sqrt_s=self.rate_random_walk_dps_sqrt_s,
-        )
+        """The two figures as a filter takes them: a channel that never changes gets the least density that is allowed."""
+        return _as_a_filter_takes_them(self.density_dps_sqrt_hz, self.rate_random_walk_dps_sqrt_s)
 
     @property
     def at_rest(self) -> bool:
         """Whether the figures come from a stretch at rest; otherwise they are an upper bound."""
         return not self.reason.startswith("motion dominates")
+
+    @property
+    def constant(self) -> bool:
+        """Whether all samples are equal, as those of a dead axis: there was no noise to measure."""
+        return self.reason.startswith("all samples are equal")
 
 
 def noise_from_log(z: Any, sample_rate_hz: float) -> list[NoiseFromLog]:
@@ -235,6 +247,15 @@ def noise_from_log(z: Any, sample_rate_hz: float) -> list[NoiseFromLog]:
     return [
         NoiseFromLog(**{**figures, "quiet": slice(*figures["quiet"])}) for figures in _measure(z, sample_rate_hz)[0]
     ]
+
+
+def _as_a_filter_takes_them(density: float, walk: float) -> GyroNoise:
+    from stillrate import _native
+
+    least = _native.setting_range("ms-imm-ikf", "noise.density_dps_sqrt_hz")
+    return GyroNoise(
+        density_dps_sqrt_hz=density if least is None else max(density, least[0]), rate_random_walk_dps_sqrt_s=walk
+    )
 
 
 def _measure(z: Any, sample_rate_hz: float) -> tuple[list[dict[str, Any]], tuple[float, float]]:

@@ -42,6 +42,27 @@ def _word(value: Any) -> str:
 class Flags(IntFlag):
     """What happened to a sample.
 
+    Attributes
+    ----------
+    MISSING
+        NaN, infinite or masked: the filter coasted.
+    NO_DATA_YET
+        Nothing usable has come in so far: the output is a finite placeholder.
+    BAD_TIME
+        The time step was zero, negative or not finite: the sample was not used.
+    RESTARTED
+        The gap before was so long that the filter started anew.
+    SATURATED
+        At the sensor's rail: used as a one-sided bound.
+    OUTLIER
+        So far out that the outlier model took most of it.
+    DIVERGED
+        The filter lost its own state and started anew.
+    OUT_OF_RANGE
+        Beyond any physical rate: treated as missing.
+    CHANGE
+        A change detector fired.
+
     Examples
     --------
     >>> Flags(5)
@@ -140,7 +161,16 @@ class Trace:
 
     @classmethod
     def from_native(cls, dtype: str, **arrays: npt.NDArray[Any]) -> Trace:
-        """Build from the compiled half, in the precision of the filter (an exact conversion)."""
+        """Build from the compiled half, in the precision of the filter (an exact conversion).
+
+        Examples
+        --------
+        >>> names = [item.name for item in fields(Trace)]
+        >>> arrays = {name: np.zeros((2, 1), np.uint32 if name == "flags" else np.float64) for name in names}
+        >>> trace = Trace.from_native("float32", **arrays)
+        >>> trace.rate.dtype, trace.flags.dtype
+        (dtype('float32'), dtype('uint32'))
+        """
         return cls(**{name: a if name == "flags" else a.astype(dtype, copy=False) for name, a in arrays.items()})
 
     def __repr__(self) -> str:

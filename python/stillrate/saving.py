@@ -16,10 +16,10 @@ def restore(blob: bytes) -> Filter:
     Examples
     --------
     >>> import stillrate as sr
-    >>> flt = sr.Filter(sr.Pt1(sample_rate_hz=50.0))
-    >>> flt.update(0.12)
-    0.12
-    >>> restore(flt.save()).estimate.rate
-    0.12
+    >>> flt = sr.Filter(sr.Pt1(sample_rate_hz=50.0), channels=2)
+    >>> flt.update(0.12, -0.5)
+    (0.12, -0.5)
+    >>> [estimate.rate for estimate in restore(flt.save()).estimate]
+    [0.12, -0.5]
     """
     return Filter.restore(blob)

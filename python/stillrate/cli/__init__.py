@@ -7,9 +7,9 @@ and add a line to `COMMANDS`; likewise for the kinds of calibration and `CALIBRA
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, Parameter
 
 COMMANDS = {
     "allan": "Show the Allan deviation of a log and the noise figures in it.",
@@ -26,16 +26,16 @@ COMMANDS = {
 }
 """Name -> one line of help; the module is ``stillrate.cli.NAME`` (dashes become underscores)."""
 
-CALIBRATIONS: dict[str, str] = {
-    "reference-bias": "Gyro bias from reference attitudes in the log.",
-    "rate-table": "Fit the error of a gyro over its rate from a turntable log.",
+CALIBRATIONS = {
     "gimbal": "Find every coefficient of a gimballed head from its commands and accelerometers.",
+    "rate-table": "Fit the error of a gyro over its rate from a turntable log.",
+    "reference-bias": "Find the bias of a gyro from reference attitudes in the log.",
 }
 """Kind -> one line of help; the module is ``stillrate.cli.calibrate_KIND``."""
 
 
-def build(chosen: str | None = None) -> App:
-    """Build the command line; the help of the command that is chosen is its docstring, the others' one line."""
+def build(words: Sequence[str] = ()) -> App:
+    """Build the command line; the help of the command that `words` begin with is its docstring, the others' one line."""
     from stillrate import __version__
 
     app = App(
@@ -44,17 +44,31 @@ def build(chosen: str | None = None) -> App:
         version=f"stillrate {__version__}",
         version_flags=["--version"],
         help_format="plaintext",
+        # A switch is off unless it is given: it needs no opposite and no default in the help.
+        default_parameter=Parameter(negative="", show_default=_shown),
     )
-    for name, summary in COMMANDS.items():
-        module = f"stillrate.cli.{name.replace('-', '_')}"
-        app.command(f"{module}:command", name=name, help=_told(module) if name == chosen else summary)
-    if CALIBRATIONS:
-        calibrate = App(name="calibrate", help="Calibrate a sensor, a sensor head or a platform.")
-        for name, summary in CALIBRATIONS.items():
-            calibrate.command(f"stillrate.cli.calibrate_{name.replace('-', '_')}:command", name=name, help=summary)
-        app.command(calibrate)
+    chosen = tuple(words[:2])
+    _add(app, COMMANDS, "", chosen=chosen[0] if chosen else None)
+    calibrate = App(name="calibrate", help="Calibrate a gyro, a gyro on a rate table, or a gimballed head.")
+    _add(
+        calibrate,
+        CALIBRATIONS,
+        "calibrate_",
+        chosen=chosen[1] if len(chosen) > 1 and chosen[0] == "calibrate" else None,
+    )
+    app.command(calibrate)
     app.register_install_completion_command()
     return app
+
+
+def _add(app: App, commands: Mapping[str, str], prefix: str, *, chosen: str | None) -> None:
+    for name, summary in commands.items():
+        module = f"stillrate.cli.{prefix}{name.replace('-', '_')}"
+        app.command(f"{module}:command", name=name, help=_told(module) if name == chosen else summary)
+
+
+def _shown(default: object) -> str | None:
+    return None if default is None or default is False else str(default)
 
 
 def _told(module: str) -> str:
@@ -79,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        result = build(chosen=words[0] if words else None)(
+        result = build(words)(
             words,
             exit_on_error=False,
             print_error=False,

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from stillrate.cli.options import Force, ReadOptions, refuse_taken
-from stillrate.cli.problems import UsageError
+from stillrate.cli.problems import UsageError, naming
 
 if TYPE_CHECKING:
-    from pathlib import Path as _Path
-
     from stillrate.allan_deviation import Allan
 
 _NO_READING = ReadOptions()
@@ -55,7 +53,8 @@ def command(
         raise UsageError(f"--confidence {confidence} (must be between 0 and 1)")
     refuse_taken([path for path in (json, picture) if path], force=force)
     log = reading.read(source)
-    found = {name: allan_of(log, index, confidence=confidence) for index, name in enumerate(log.channels)}
+    with naming(source):
+        found = {name: allan_of(log, index, confidence=confidence) for index, name in enumerate(log.channels)}
     title = f"{source.name}: {100 * confidence:g} % intervals"
     table = plain_table(title, ("channel", *_FIGURES.values()), words=("channel",))
     for name, curve in found.items():
@@ -76,10 +75,10 @@ def _numbers(values: Any) -> list[float | None]:
     return [value if value == value and abs(value) != float("inf") else None for value in map(float, values)]
 
 
-def _write_json(path: _Path, found: dict[str, Allan], rate: float, *, force: bool) -> None:
+def _write_json(path: Path, found: dict[str, Allan], rate: float, *, force: bool) -> None:
     import json
 
-    from stillrate.io.safely import atomic
+    from stillrate.io.safely import write_text
 
     channels = {}
     for name, curve in found.items():
@@ -92,11 +91,10 @@ def _write_json(path: _Path, found: dict[str, Allan], rate: float, *, force: boo
                 zip(("value", "lower", "upper"), _numbers((value.value, value.lower, value.upper)), strict=True)
             )
         channels[name] = entry
-    with atomic(path, force=force) as temporary:
-        temporary.write_text(json.dumps({"sample_rate_hz": rate, "channels": channels}, indent=1), encoding="utf-8")
+    write_text(path, json.dumps({"sample_rate_hz": rate, "channels": channels}, indent=1), force=force)
 
 
-def _write_picture(path: _Path, found: dict[str, Allan], *, force: bool) -> None:
+def _write_picture(path: Path, found: dict[str, Allan], *, force: bool) -> None:
     from stillrate.io.safely import atomic, needs
 
     figure: Any = needs("matplotlib.figure", "report", "a picture").Figure(

@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, refuse_taken
+from stillrate.cli.options import Force, latitude_rad, refuse_taken
 
 if TYPE_CHECKING:
     from stillrate.gimbal import Calibration
-
-Switch = Annotated[bool, Parameter(negative="")]
 
 
 def command(
@@ -30,13 +28,13 @@ def command(
     gravity_m_s2: float = 9.8,
     latitude_deg: float = 40.0,
     gauge: str = "accelerometer",
-    torquer: Switch = False,
-    quadratic: Switch = False,
-    latency: Switch = False,
-    latitude: Switch = False,
+    torquer: bool = False,
+    quadratic: bool = False,
+    latency: bool = False,
+    latitude: bool = False,
     angle_random_walk_deg_sqrt_h: float = 0.0,
-    diagnose: Switch = False,
-    quiet: Switch = False,
+    diagnose: bool = False,
+    quiet: bool = False,
     force: Force = False,
 ) -> int:
     """Find gyro and accelerometer coefficients of a gimballed head from commands and accelerometer logs.
@@ -62,7 +60,7 @@ def command(
     latitude_deg
         Latitude of the place: it turns the Earth rate that the gyros see.
     angle_random_walk_deg_sqrt_h
-        Of the gyros, in deg/sqrt(h); 0 leaves it out of the model.
+        Angle random walk of the gyros in deg/sqrt(h); 0 leaves it out of the model.
     gauge
         accelerometer, gyro or none.
     torquer
@@ -89,7 +87,7 @@ def command(
         raise LogError(f"{commands}: no time in it: give --dt-s")
     head = gimbal.Head(
         gravity_m_s2=gravity_m_s2,
-        latitude_rad=math.radians(latitude_deg),
+        latitude_rad=latitude_rad(latitude_deg),
         gauge=gauge,  # type: ignore[arg-type]
         torquer=torquer,
         quadratic=quadratic,
@@ -112,7 +110,7 @@ def command(
 
 
 def _write(path: Path, found: Calibration, method: str, *, force: bool) -> None:
-    from stillrate.io.safely import atomic
+    from stillrate.io.safely import write_text
 
     def plain(value: float) -> float | None:
         return value if math.isfinite(value) else None
@@ -127,8 +125,7 @@ def _write(path: Path, found: Calibration, method: str, *, force: bool) -> None:
         "tests": found.tests,
         "sigma_m_s2": found.details["sigma_m_s2"],
     }
-    with atomic(path, force=force) as temporary:
-        temporary.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(document, indent=1) + "\n", force=force)
 
 
 def _show(found: Calibration, method: str, written: list[Path]) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, ReadOptions, refuse_taken
+from stillrate.cli.options import Force, ReadOptions, latitude_rad, refuse_taken
 from stillrate.cli.problems import UsageError
 
 if TYPE_CHECKING:
@@ -32,15 +32,15 @@ def command(
     attitude: str = "qw,qx,qy,qz",
     latitude_deg: float = 0.0,
     longitude_deg: float = 0.0,
-    mounting: Annotated[bool, Parameter(negative="")] = False,
-    lag: Annotated[bool, Parameter(negative="")] = False,
-    scale: Annotated[bool, Parameter(negative="")] = False,
+    mounting: bool = False,
+    lag: bool = False,
+    scale: bool = False,
     every_s: float | None = None,
     method: str = "exact",
     angle_random_walk: float = 0.3,
     reference_sigma_deg: float = 0.0,
-    ignore_earth: Annotated[bool, Parameter(negative="")] = False,
-    instantaneous: Annotated[bool, Parameter(negative="")] = False,
+    ignore_earth: bool = False,
+    instantaneous: bool = False,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     force: Force = False,
     reading: ReadOptions = _NO_READING,
@@ -56,9 +56,9 @@ def command(
     attitude
         The four quaternion columns, scalar first, separated by commas; empty or NaN where there is no fix.
     latitude_deg
-        Where the record was taken.
+        Latitude where the record was taken, north positive.
     longitude_deg
-        Where the record was taken.
+        Longitude where the record was taken, east positive.
     mounting
         Also estimate the rotation between reference and sensor.
     lag
@@ -70,7 +70,7 @@ def command(
     method
         exact, or one of the classical shortcuts: small-angle, small-angle-jacobian, mean-rate.
     angle_random_walk
-        Of the gyro, in deg/sqrt(h).
+        Angle random walk of the gyro in deg/sqrt(h).
     reference_sigma_deg
         White error of each fix in deg an axis.
     ignore_earth
@@ -86,6 +86,13 @@ def command(
     from stillrate.bias import reference_bias
     from stillrate.errors import LogError
 
+    latitude = latitude_rad(latitude_deg)
+    if every_s is not None and not every_s > 0:
+        raise UsageError(f"--every-s {every_s:g} (must be > 0)")
+    if not angle_random_walk > 0:
+        raise UsageError(f"--angle-random-walk {angle_random_walk:g} (must be > 0 deg/sqrt(h))")
+    if not reference_sigma_deg >= 0:
+        raise UsageError(f"--reference-sigma-deg {reference_sigma_deg:g} (must be >= 0)")
     if output is not None:
         refuse_taken([output], force=force)
     log = reading.read(source)
@@ -98,7 +105,7 @@ def command(
         steps,
         index,
         quaternions,
-        math.radians(latitude_deg),
+        latitude,
         math.radians(longitude_deg),
         mounting,
         estimate_lag=lag,
@@ -110,10 +117,9 @@ def command(
         instantaneous=instantaneous,
     )
     if output is not None:
-        from stillrate.io.safely import atomic
+        from stillrate.io.safely import write_text
 
-        with atomic(output, force=force) as temporary:
-            temporary.write_text(json.dumps(_record(found), indent=1) + "\n", encoding="utf-8")
+        write_text(output, json.dumps(_record(found), indent=1) + "\n", force=force)
     console = Console()
     console.print(_table(found))
     if method == "exact" and not found.observable:
@@ -174,11 +180,11 @@ def _record(found: ReferenceBias) -> dict[str, Any]:
 
 def _table(found: ReferenceBias) -> Table:
     import numpy as np
-    from rich.table import Table
 
-    table = Table(title="Gyro bias from the reference attitude")
-    for name in ("unknown", "estimate", "standard deviation", "after/before"):
-        table.add_column(name, justify="left" if name == "unknown" else "right")
+    from stillrate.tables import plain_table
+
+    heads = ("unknown", "estimate", "standard deviation", "after/before")
+    table = plain_table("Gyro bias from the reference attitude", heads, words=("unknown",))
     sigma = np.sqrt(np.diag(found.covariance))
     to_deg_h, to_deg = math.degrees(1.0) * 3600.0, math.degrees(1.0)
     values = {f"bias_{a}": (found.bias_rad_s[k], to_deg_h, "deg/h") for k, a in enumerate("xyz")}

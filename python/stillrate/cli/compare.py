@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from stillrate.cli.options import Force, ReadOptions, refuse_taken
+from stillrate.cli.problems import naming
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -20,8 +21,8 @@ _NO_READING = ReadOptions()
 
 
 def command(
-    *sources: Annotated[Path, Parameter(name="IN")],
-    method: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = (),
+    *sources: Annotated[Path, Parameter(name="IN", required=True)],
+    method: Annotated[tuple[str, ...], Parameter(show_default=False)] = (),
     report: Path | None = None,
     force: Force = False,
     reading: ReadOptions = _NO_READING,
@@ -33,24 +34,21 @@ def command(
     sources
         The logs.
     method
-        Only these methods (may be repeated).
+        Only this method; may be repeated.
     report
         Write a page with pictures as well (HTML).
     """
     from rich.console import Console
 
-    from stillrate.cli.problems import UsageError
     from stillrate.comparing import compare_with_stretches
     from stillrate.report.comparison import Compared, write_page
 
-    if not sources:
-        raise UsageError("compare needs a log")
     refuse_taken([report] if report else [], force=force)
     console = Console()
     found = []
     for source in sources:
         log = reading.read(source)
-        with console.status(f"comparing on {source.name}"):
+        with console.status(f"comparing on {source.name}"), naming(source):
             rows, stretches = compare_with_stretches(log, method)
         console.print(_table(source.name, log, rows))
         if report is not None:

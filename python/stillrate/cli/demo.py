@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from stillrate.cli.options import refuse_no_folder
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -38,6 +40,7 @@ def command(
     from stillrate.cleaning import clean
     from stillrate.report import write_page
 
+    refuse_no_folder(output)
     console = Console()
     found = demo.runs(rate, demo.SEED if seed is None else seed)
     with console.status("filtering"):

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, refuse_taken
+from stillrate.cli.options import Force, load_settings, refuse_no_folder, refuse_taken
 
 
 def command(
@@ -35,10 +35,10 @@ def command(
     from rich.console import Console
 
     from stillrate import _native
-    from stillrate.config import load_config
     from stillrate.io.safely import atomic
 
-    settings = load_config(config)
+    refuse_no_folder(output)
+    settings = load_settings(config)
     texts = _native.export_c(settings.method, settings.settings(), dtype == "float32")
     names = ["stillrate_config.h", "stillrate_selftest.h", "stillrate_config.rs", "stillrate.h"]
     paths = [output / name for name in names]

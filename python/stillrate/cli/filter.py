@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from stillrate.cli.options import Force, ReadOptions, load_settings, refuse_taken
-from stillrate.cli.problems import UsageError
+from stillrate.cli.problems import UsageError, naming
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -29,8 +29,8 @@ def command(
     config: Path | None = None,
     method: str | None = None,
     report: Path | None = None,
-    keep_raw: Annotated[bool, Parameter(negative="")] = False,
-    quiet: Annotated[bool, Parameter(negative="")] = False,
+    keep_raw: bool = False,
+    quiet: bool = False,
     force: Force = False,
     reading: ReadOptions = _NO_READING,
 ) -> int:
@@ -47,7 +47,7 @@ def command(
     config
         Settings as TOML, such as `stillrate tune` writes.
     method
-        Method by name, with settings from the log; default ms-imm-ikf.
+        Method by name, with settings from the log; default ms-imm-ikf. `stillrate compare` shows all of them.
     report
         Write a page with pictures as well (HTML).
     keep_raw
@@ -69,17 +69,19 @@ def command(
         raise UsageError(f"{output}: is the input itself")
     given = load_settings(config) if config is not None else None
     log = reading.read(source)
-    configs, notes = settings_for(log, method=method, config=given)
-    done = _run(log, configs, tuple(notes), views=report is not None, quiet=quiet)
-    io.write(output, _with_raw(done) if keep_raw else done.clean, force=force)
+    with naming(source):
+        configs, notes = settings_for(log, method=method, config=given)
+        done = _run(log, configs, tuple(notes), views=report is not None, quiet=quiet)
+        clean = _with_raw(done) if keep_raw else done.clean
+    io.write(output, clean, force=force)
     if report is not None:
         from stillrate.report import write_page
 
         write_page(report, done, force=force)
     if not quiet:
-        console = Console(stderr=True)
         from stillrate.report.figures import remarks
 
+        console = Console(stderr=True)
         console.print(_summary(done))
         for remark in remarks(done):
             console.print(f"  {remark}", highlight=False, markup=False)
@@ -123,25 +125,22 @@ def _with_raw(done: Cleaned) -> Log:
 
 def _summary(done: Cleaned) -> Table:
     """Return one row a channel: what the noise was, what was taken away."""
-    from rich import box
-    from rich.table import Table
-
     from stillrate.report.figures import axis_figures
+    from stillrate.tables import plain_table
 
     method = next(iter(done.configs.values())).method
     title = (
         f"{done.raw.meta.get('source', 'log')}: {len(done.raw)} samples at {done.raw.sample_rate_hz:.6g} Hz, {method}"
     )
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
-    for name in (
+    heads = (
         "channel",
         "noise density\n(deg/s)/√Hz",
         "quiet noise before\ndeg/s",
         "after\ndeg/s",
         "ratio",
         "taken away\ndeg/s RMS",
-    ):
-        table.add_column(name, justify="left" if name == "channel" else "right")
+    )
+    table = plain_table(title, heads, words=("channel",))
     for figures in axis_figures(done):
         table.add_row(*figures.cells())
     return table

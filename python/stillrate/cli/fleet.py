@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, ReadOptions, load_settings
+from stillrate.cli.options import Force, ReadOptions, load_settings, refuse_no_folder
 from stillrate.cli.problems import UsageError
 
 if TYPE_CHECKING:
@@ -19,14 +19,14 @@ _NO_READING = ReadOptions()
 
 
 def command(
-    *sources: Annotated[str, Parameter(name="FOLDER_OR_GLOB")],
+    *sources: Annotated[str, Parameter(name="FOLDER_OR_GLOB", required=True)],
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     config: Path | None = None,
     method: str | None = None,
     scheduler: str | None = None,
     workers: int | None = None,
-    retry: Annotated[bool, Parameter(negative="")] = False,
-    quiet: Annotated[bool, Parameter(negative="")] = False,
+    retry: bool = False,
+    quiet: bool = False,
     force: Force = False,
     reading: ReadOptions = _NO_READING,
 ) -> int:
@@ -40,7 +40,7 @@ def command(
     sources
         Folders (with all folders in them), globs, or logs.
     output
-        Folder of the results.
+        Folder of the results, OUT above; made if missing.
     config
         Settings as TOML, such as `stillrate tune` writes; each log's own noise when left out.
     method
@@ -60,12 +60,11 @@ def command(
     from stillrate.config import method_class
     from stillrate.fleet import run
 
-    if not sources:
-        raise UsageError("fleet needs a folder, a glob or logs")
     if config is not None and method is not None:
         raise UsageError("--config and --method exclude each other: the method stands in the settings")
     if workers is not None and workers < 1:
         raise UsageError(f"--workers {workers} (must be at least 1)")
+    refuse_no_folder(output)
     if method is not None:
         method_class(method)
     settings = load_settings(config) if config is not None else None
@@ -107,7 +106,7 @@ def _say(fleet: Fleet, console: Console, *, quiet: bool) -> None:
     if not quiet:
         before = len(fleet.records) - fleet.done
         console.print(
-            f"{len(fleet.records)} logs: {fleet.done} done now, {before} before, {len(fleet.broken)} broken;"
+            f"{len(fleet.records)} log{'' if len(fleet.records) == 1 else 's'}: {fleet.done} done now, {before} before, {len(fleet.broken)} broken;"
             f" see {fleet.summary}",
             highlight=False,
             markup=False,

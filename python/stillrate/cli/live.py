@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from stillrate.config import Config
     from stillrate.live import Loop
 
-_RATE_TOLERANCE = 0.02
-
 
 def command(
     source: Annotated[str, Parameter(name="SOURCE", allow_leading_hyphen=True)],
@@ -35,8 +33,8 @@ def command(
     unit: str | None = None,
     time_unit: str | None = None,
     baud: int = 115200,
-    rerun: Annotated[bool, Parameter(negative="")] = False,
-    quiet: Annotated[bool, Parameter(negative="")] = False,
+    rerun: bool = False,
+    quiet: bool = False,
 ) -> int:
     """Clean samples as they come, line by line: n lines in, n lines out; ctrl-C ends it with a summary.
 
@@ -78,7 +76,7 @@ def command(
     from stillrate.live import LineFormat, Loop, open_sink, open_source, stop_on_signals
     from stillrate.live.viewer import Rerun
 
-    settings, note = _settings(config, method, rate, density)
+    settings, notes = _settings(config, method, rate, density)
     wanted = [name.strip() for name in columns.split(",")] if columns else None
     lines = LineFormat(wanted, time, unit, time_unit)
     tap = Rerun() if rerun else None
@@ -92,7 +90,7 @@ def command(
             stack.enter_context(tap)
         loop = Loop(settings, origin, sink, lines, tap)
         console = Console(stderr=True, soft_wrap=True)
-        if note and not quiet:
+        for note in notes if not quiet else ():
             console.print(note, highlight=False, markup=False)
         try:
             _run(loop, stopped, console if not quiet else None)
@@ -135,8 +133,9 @@ def _summarise(loop: Loop, console: Console) -> None:
 
 def _settings(
     path: Path | None, method: str | None, rate: float | None, density: float | None
-) -> tuple[Config, str | None]:
+) -> tuple[Config, list[str]]:
     """Return the settings, and a note if they had to be rebuilt for another rate."""
+    from stillrate.cleaning import DEFAULT_METHOD, at_rate
     from stillrate.config import config_from_settings
 
     if path is None:
@@ -145,11 +144,8 @@ def _settings(
                 "live needs --config F.toml (stillrate tune writes it from a log at rest), or --rate and --density"
             )
         settings = {"sample_rate_hz": rate, "noise.density_dps_sqrt_hz": density}
-        return config_from_settings(method or "ms-imm-ikf", settings), None
+        return config_from_settings(method or DEFAULT_METHOD, settings), []
     if method is not None or density is not None:
         raise UsageError("--config excludes --method and --density: both stand in the settings")
     config = load_settings(path)
-    if rate is None or abs(rate / config.sample_rate_hz - 1.0) <= _RATE_TOLERANCE:
-        return config, None
-    note = f"the settings are for {config.sample_rate_hz:.6g} Hz: rebuilt for {rate:.6g} Hz"
-    return config.replace(sample_rate_hz=rate), note
+    return (config, []) if rate is None else at_rate(config, rate)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -58,7 +59,7 @@ class ReadOptions:
         }
 
 
-Force = Annotated[bool, Parameter(negative="", help="Overwrite existing files.")]
+Force = Annotated[bool, Parameter(help="Overwrite existing files.")]
 """An option of every command that writes."""
 
 
@@ -74,6 +75,19 @@ def refuse_taken(paths: list[Path], *, force: bool) -> None:
         refuse_existing(path, force=force)
 
 
+def refuse_no_folder(path: Path) -> None:
+    """Say before the work begins that an output cannot be the folder that it must be."""
+    if path.exists() and not path.is_dir():
+        raise UsageError(f"{path} is a file (must be a folder)")
+
+
+def latitude_rad(latitude_deg: float) -> float:
+    """Return a latitude that was given in degrees; what is wrong with it is said in degrees."""
+    if not -90.0 <= latitude_deg <= 90.0:
+        raise UsageError(f"--latitude-deg {latitude_deg:g} (must be from -90 to 90)")
+    return math.radians(latitude_deg)
+
+
 def load_settings(path: Path) -> Config:
     """Read a configuration; what is wrong with it names the file."""
     from stillrate.config import load_config
@@ -84,6 +98,3 @@ def load_settings(path: Path) -> Config:
     except ConfigError as error:
         text = str(error)
         raise ConfigError(text if text.startswith(str(path)) else f"{path}: {text}") from None
-
-
-__all__ = ["Force", "ReadOptions", "load_settings", "refuse_taken"]

@@ -2,9 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from stillrate.errors import LogError
+
 
 class UsageError(Exception):
     """The command was called in a way that has no meaning."""
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Put a log's path before what is said of its content, where it does not stand there already."""
+    try:
+        yield
+    except LogError as error:
+        text = str(error)
+        raise LogError(text if text.startswith(str(path)) else f"{path}: {text}") from None
 
 
 def one_line(error: BaseException) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from stillrate.cli.options import Force, refuse_taken
+from stillrate.cli.options import Force, refuse_no_folder, refuse_taken
 from stillrate.cli.problems import UsageError
 
 if TYPE_CHECKING:
@@ -27,8 +27,8 @@ def command(
     name: str | None = None,
     *,
     output: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
-    short: Annotated[bool, Parameter(negative="")] = False,
-    quiet: Annotated[bool, Parameter(negative="")] = False,
+    short: bool = False,
+    quiet: bool = False,
     force: Force = False,
 ) -> None:
     """Compute published figures again and print them beside ours.
@@ -85,8 +85,7 @@ def _rows(names: list[str], console: Console, folder: Path | None, *, short: boo
     if folder is not None:
         if not folder.absolute().parent.is_dir():
             raise UsageError(f"{folder}: there is no folder {folder.parent}")
-        if folder.exists() and not folder.is_dir():
-            raise UsageError(f"{folder} is a file (must be a folder)")
+        refuse_no_folder(folder)
         if not os.access(folder if folder.exists() else folder.absolute().parent, os.W_OK):
             raise UsageError(f"{folder}: may not be written")
         if folder.is_dir():

@@ -33,7 +33,7 @@ def command(
     Parameters
     ----------
     bed
-        The motion: static, waves, rough-waves, steps or chirp.
+        The motion.
     output
         Where the log goes; the name's ending says in which format.
     rate
@@ -45,11 +45,11 @@ def command(
     duration
         Length in s; default that of the bed.
     density
-        Two-sided density of the white noise in deg/s/sqrt(Hz).
+        Two-sided density of the white noise in deg/s/sqrt(Hz); default 0.0151.
     bias_instability
         Flicker noise in deg/s, instead of the usual Gauss-Markov bias of 0.01 deg/s over 20 s.
     rate_random_walk
-        Rate random walk in deg/s/sqrt(s).
+        Rate random walk in deg/s/sqrt(s); default 0.001.
     lsb
         Quantisation step in deg/s.
     saturation
@@ -67,8 +67,6 @@ def command(
         raise UsageError(f"{output}: cannot write {output.suffix or 'it'} (endings: {', '.join(io.writable())})")
     if not 1 <= channels <= 3:
         raise UsageError(f"--channels {channels} (must be 1, 2 or 3)")
-    if seed < 0:
-        raise UsageError(f"--seed {seed} (must be >= 0)")
     refuse_taken([output], force=force)
     gyro = simulate.GyroModel(lsb_dps=lsb, saturation_dps=saturation, missing_probability=missing)
     if density is not None:
@@ -78,6 +76,8 @@ def command(
     if rate_random_walk is not None:
         gyro = dataclasses.replace(gyro, rate_random_walk_dps_sqrt_s=rate_random_walk)
     beds = [simulate.bed(bed, rate, seed + axis, duration_s=duration, noise=gyro) for axis in range(channels)]
+    if not len(beds[0].t_s):
+        raise UsageError(f"--rate {rate:g} (not one sample in that time)")
     log = io.Log(
         t_s=beds[0].t_s,
         rate_dps=np.column_stack([run.measured_dps for run in beds]),

@@ -14,10 +14,8 @@ import numpy as np
 
 from stillrate import _native
 from stillrate.errors import LogError
-from stillrate.io.safely import atomic, within_bounds
+from stillrate.io.safely import atomic, within_bounds, write_text
 from stillrate.io.table import Table
-
-SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".log")
 
 
 def metadata_path(path: Path) -> Path:
@@ -71,8 +69,7 @@ def write(path: Path, table: Table, *, force: bool) -> None:
         )
     if table.meta:
         described = {"@context": "http://www.w3.org/ns/csvw", "url": path.name, "stillrate:meta": table.meta}
-        with atomic(metadata_path(path), force=True) as temporary:
-            temporary.write_text(json.dumps(described, indent=1), encoding="utf-8")
+        write_text(metadata_path(path), json.dumps(described, indent=1), force=True)
 
 
 def _head(style: dict[str, Any], names: list[str]) -> tuple[list[str], list[str] | None]:

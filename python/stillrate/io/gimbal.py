@@ -14,10 +14,8 @@ import numpy.typing as npt
 
 from stillrate.errors import LogError
 from stillrate.io import delimited, npz
-from stillrate.io.safely import within_bounds
+from stillrate.io.log import Floats
 from stillrate.io.table import Table
-
-Floats = npt.NDArray[np.float64]
 
 _COMMAND = (("wx_rad_s", "wy_rad_s", "wz_rad_s"), ("wx", "wy", "wz"))
 _FORCE = (("ax_m_s2", "ay_m_s2", "az_m_s2"), ("ax", "ay", "az"))
@@ -54,11 +52,9 @@ def read(command: Path, force: Path | None) -> GimbalLog:
 
 def _from_npz(path: Path) -> GimbalLog:
     try:
-        within_bounds(path)
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (ValueError, EOFError, KeyError) as error:
-        raise LogError(f"{path}: not a readable npz file ({error})") from None
+        arrays = npz.arrays(path)
+    except LogError as error:
+        raise LogError(f"{path}: {error}") from None
     missing = [name for name in ("command_rad_s", "specific_force_m_s2") if name not in arrays]
     if missing:
         raise LogError(f"{path}: no {missing[0]} (there are {', '.join(sorted(arrays)) or 'no arrays'})")

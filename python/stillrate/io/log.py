@@ -108,6 +108,13 @@ class Log:
         The other columns.
     meta : dict
         Where it comes from: format, units, remarks, and how it was filtered.
+    layout : Layout
+        How the columns stood in the file, for who writes them back.
+
+    Attributes
+    ----------
+    timing : Timing
+        What the time stamps say.
 
     Raises
     ------
@@ -158,7 +165,16 @@ class Log:
             object.__setattr__(self, name, value)
 
     def steps_s(self) -> Floats | None:
-        """Return each sample's time step for a filter; None where the rate is regular."""
+        """Return each sample's time step in s, shape (n,), for a filter; None where the rate is regular.
+
+        Examples
+        --------
+        >>> log = Log(t_s=[0.0, 0.02, 0.04, 0.10, 0.12], rate_dps=np.zeros(5), channels=("gz_dps",))
+        >>> log.steps_s().round(3).tolist()
+        [0.02, 0.02, 0.02, 0.06, 0.02]
+        >>> Log(t_s=[0.0, 0.02, 0.04], rate_dps=np.zeros(3), channels=("gz_dps",)).steps_s() is None
+        True
+        """
         if self.timing.regular:
             return None
         return _native.time_steps(self.t_s, self.sample_rate_hz)

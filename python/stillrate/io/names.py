@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import difflib
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+from stillrate.errors import LogError
 
 RAD_S = 57.29577951308232
 """deg/s in one rad/s."""
+RATE_UNITS = {"deg/s": 1.0, "dps": 1.0, "rad/s": RAD_S, "rad_s": RAD_S, "mdps": 1e-3}
+"""deg/s in one of each unit that a caller may name."""
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+"""Seconds in one of each unit of time that a caller may name."""
+_LISTED = 12
 
-_RATE_UNITS = (
+_RATE_UNIT_WORDS = (
     (r"m(illi)?dps|mdeg/s(ec)?", 1e-3),
     (r"dps|deg(ree)?s?[ _./]*(/|per|p)?[ _]*s(ec(ond)?)?(\^?-1)?|°/s(ec)?|º/s(ec)?|deg_s", 1.0),
     (r"rad(ian)?s?[ _./]*(/|per|p)?[ _]*s(ec(ond)?)?(\^?-1)?|rad_s", RAD_S),
@@ -38,7 +47,7 @@ _TIME = re.compile(
     r"^(?:.*_)?(?:t|ts|time|timestamp|stamp|datetime|date_?time|utc|clock|elapsed|time_?stamp|epoch|sampletime"
     r"|time_since_start|gyrotimestamp.*|loggingtime.*|seconds_elapsed|secs|seconds)$"
 )
-_TIME_UNITS = (
+_TIME_UNIT_WORDS = (
     (r"(?:_|^|\b)(?:ns|nsec|nanos|nanosec|nanoseconds)$", 1e-9),
     (r"(?:_|^|\b)(?:us|usec|micros|microsec|microseconds|µs|μs)$", 1e-6),
     (r"(?:_|^|\b)(?:ms|msec|millis|millisec|milliseconds)$", 1e-3),
@@ -65,7 +74,7 @@ def _plain(name: str) -> str:
 def rate_unit(name: str) -> tuple[str, float | None]:
     """Return the name without its unit, and deg/s per unit (None if the name has none)."""
     lower = name.lower()
-    for pattern, factor in _RATE_UNITS:
+    for pattern, factor in _RATE_UNIT_WORDS:
         found = re.search(rf"[\[(_ ,./]+(?:{pattern})[\])]*$", lower)
         if found:
             return name[: found.start()], factor
@@ -129,7 +138,7 @@ def acceleration_columns(names: list[str]) -> list[str]:
 def time_unit(name: str) -> float | None:
     """Return seconds per unit of a time column, None if its name does not say."""
     lower = name.lower().strip().rstrip(")]} ")
-    for pattern, factor in _TIME_UNITS:
+    for pattern, factor in _TIME_UNIT_WORDS:
         if re.search(pattern, re.sub(r"[\[(\s]+", "_", lower)):
             return factor
     return None
@@ -150,3 +159,38 @@ def is_time(name: str) -> bool:
         return True
     stem = re.sub(r"_(ns|us|ms|s|nsec|usec|msec|sec|secs|seconds|millis|micros|nanos)$", "", plain)
     return stem != plain and bool(_TIME.match(stem))
+
+
+def check_units(unit: str | None, time_unit: str | None) -> None:
+    """Raise LogError if a unit that a caller named is none that is known."""
+    if unit is not None and unit not in RATE_UNITS:
+        raise LogError(f"unit {unit!r} (must be one of {', '.join(RATE_UNITS)})")
+    if time_unit is not None and time_unit not in TIME_UNITS:
+        raise LogError(f"time unit {time_unit!r} (must be one of {', '.join(TIME_UNITS)})")
+
+
+def listed(columns: Iterable[str]) -> str:
+    """Return the names of columns in a line, the first dozen of many.
+
+    Examples
+    --------
+    >>> listed(f"gyro{k}" for k in range(14))[-17:]
+    'gyro11 and 2 more'
+    """
+    found = list(columns)
+    return ", ".join(found[:_LISTED]) + (f" and {len(found) - _LISTED} more" if len(found) > _LISTED else "")
+
+
+def no_column(name: str, columns: Iterable[str]) -> LogError:
+    """Return the error for a name that no column has: the one that comes nearest, or all there are.
+
+    Examples
+    --------
+    >>> no_column("gyroz", ["t_s", "gyro_z"])
+    LogError("no column 'gyroz': did you mean 'gyro_z'?")
+    """
+    known = list(columns)
+    near = difflib.get_close_matches(name, known, n=1)
+    return LogError(
+        f"no column {name!r}" + (f": did you mean {near[0]!r}?" if near else f" (there are {listed(known)})")
+    )

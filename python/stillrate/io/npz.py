@@ -15,11 +15,20 @@ from stillrate.io.arrays import to_table
 from stillrate.io.safely import MAX_BYTES, atomic, first_line, within_bounds
 from stillrate.io.table import Table
 
-SUFFIXES = (".npz",)
-
 
 def read(path: Path) -> Table:
     """Read an npz file."""
+    return _table(arrays(path))
+
+
+def arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
+    """Return the arrays of an npz file by name.
+
+    Raises
+    ------
+    LogError
+        If the file is damaged, too large, or holds pickled objects.
+    """
     within_bounds(path)
     try:
         with zipfile.ZipFile(path) as archive:
@@ -27,7 +36,7 @@ def read(path: Path) -> Table:
         if size > MAX_BYTES:
             raise LogError(f"unpacks to {size / 1e9:.1f} GB, the limit is {MAX_BYTES / 1e9:.0f} GB")
         with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
+            return {name: archive[name] for name in archive.files}
     except LogError:
         raise
     except (
@@ -42,24 +51,23 @@ def read(path: Path) -> Table:
         raise LogError(f"not a readable npz file ({first_line(error)})") from None
     except Exception as error:  # zlib.error and struct.error of damaged members have no common base
         raise LogError(f"damaged npz file ({first_line(error)})") from None
-    return _table(arrays)
 
 
-def _table(arrays: dict[str, npt.NDArray[Any]]) -> Table:
+def _table(found: dict[str, npt.NDArray[Any]]) -> Table:
     meta: dict[str, Any] = {}
-    if "meta_json" in arrays:
+    if "meta_json" in found:
         try:
-            found = json.loads(str(arrays.pop("meta_json")))
-            meta = found if isinstance(found, dict) else {}
+            told = json.loads(str(found.pop("meta_json")))
+            meta = told if isinstance(told, dict) else {}
         except ValueError:
             pass
-    return to_table(arrays, meta)
+    return to_table(found, meta)
 
 
 def write(path: Path, table: Table, *, force: bool) -> None:
     """Write columns as npz."""
-    arrays = {**table.columns, **table.extras}
+    content = {**table.columns, **table.extras}
     if table.meta:
-        arrays["meta_json"] = np.array(json.dumps(table.meta))
+        content["meta_json"] = np.array(json.dumps(table.meta))
     with atomic(path, force=force) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays)
+        np.savez_compressed(file, allow_pickle=False, **content)

@@ -1,4 +1,4 @@
-"""Parquet and Arrow IPC through polars; the configuration stands in the file's key-value metadata."""
+"""Parquet through polars; the configuration stands in the file's key-value metadata."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from stillrate.errors import LogError
 from stillrate.io.safely import atomic, first_line, needs, within_bounds
 from stillrate.io.table import Table
 
-SUFFIXES = (".parquet", ".pq")
 KEY = "stillrate"
 
 
@@ -36,28 +35,20 @@ def read(path: Path) -> Table:
         meta = found if isinstance(found, dict) else {}
     except ValueError:
         pass
-    return Table({name: _column(frame[name]) for name in frame.columns}, meta)
+    return Table({name: _column(frame[name], polars) for name in frame.columns}, meta)
 
 
-def _column(series: Any) -> Any:
+def _column(series: Any, polars: Any) -> Any:
     kind = str(series.dtype)
     if kind.startswith(("Float", "Int", "UInt", "Decimal")):
         if series.null_count() or kind.startswith("Decimal"):
-            return series.cast(type(series.dtype) if kind == "Float32" else _float64()).fill_null(np.nan).to_numpy()
+            return series.cast(polars.Float32 if kind == "Float32" else polars.Float64).fill_null(np.nan).to_numpy()
         return series.to_numpy()
     if kind.startswith("Datetime"):
         return series.to_numpy()
     if kind == "Boolean" and not series.null_count():
         return series.to_numpy()
-    return np.array(series.cast(_string(), strict=False).fill_null("").to_list(), dtype=str)
-
-
-def _float64() -> Any:
-    return needs("polars", "tables", "Parquet").Float64
-
-
-def _string() -> Any:
-    return needs("polars", "tables", "Parquet").String
+    return np.array(series.cast(polars.String, strict=False).fill_null("").to_list(), dtype=str)
 
 
 def write(path: Path, table: Table, *, force: bool) -> None:

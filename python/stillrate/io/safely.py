@@ -55,8 +55,8 @@ def atomic(path: Path, *, force: bool) -> Iterator[Path]:
     ------
     FileExistsError
         If `path` exists and `force` is not set.
-    FileNotFoundError
-        If there is no such folder.
+    OSError
+        If there is no such folder, or the file cannot be written; it names `path`, not the temporary one.
     """
     refuse_existing(path, force=force)
     if not path.parent.is_dir():
@@ -68,8 +68,26 @@ def atomic(path: Path, *, force: bool) -> Iterator[Path]:
             os.replace(temporary, path)
         else:
             _place(temporary, path)
+    except FileExistsError:
+        raise
+    except OSError as error:
+        if error.filename not in (None, str(temporary)):
+            raise
+        raise type(error)(error.errno, error.strerror or str(error), str(path)) from None
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str, *, force: bool) -> None:
+    """Write a text whole or not at all.
+
+    Raises
+    ------
+    OSError
+        As `atomic`.
+    """
+    with atomic(path, force=force) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def _place(temporary: Path, path: Path) -> None:

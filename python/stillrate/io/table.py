@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,9 +12,6 @@ import numpy.typing as npt
 from stillrate.errors import LogError
 from stillrate.io import names as known
 from stillrate.io.log import Floats, Layout, Log
-
-_UNITS = {"dps": 1.0, "deg/s": 1.0, "rad/s": known.RAD_S, "rad_s": known.RAD_S, "mdps": 1e-3}
-_TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 @dataclass(frozen=True)
@@ -55,10 +51,7 @@ class Wishes:
 
     def check(self) -> None:
         """Raise LogError if a wish has no meaning."""
-        if self.unit is not None and self.unit not in _UNITS:
-            raise LogError(f"unit {self.unit!r} (must be one of {', '.join(_UNITS)})")
-        if self.time_unit is not None and self.time_unit not in _TIME_UNITS:
-            raise LogError(f"time unit {self.time_unit!r} (must be one of {', '.join(_TIME_UNITS)})")
+        known.check_units(self.unit, self.time_unit)
         if self.rate_hz is not None and not (np.isfinite(self.rate_hz) and self.rate_hz > 0):
             raise LogError(f"rate = {self.rate_hz:g} (must be finite and > 0 Hz)")
 
@@ -116,14 +109,7 @@ def to_log(table: Table, wishes: Wishes) -> Log:
 def _present(columns: Mapping[str, Any], name: str) -> str:
     if name in columns:
         return name
-    near = difflib.get_close_matches(name, columns, n=1)
-    hint = f": did you mean {near[0]!r}?" if near else f" (there are {_listed(columns)})"
-    raise LogError(f"no column {name!r}{hint}")
-
-
-def _listed(columns: Mapping[str, Any]) -> str:
-    found = list(columns)
-    return ", ".join(found[:12]) + (f" and {len(found) - 12} more" if len(found) > 12 else "")
+    raise known.no_column(name, columns)
 
 
 def _time_column(table: Table, wishes: Wishes) -> str | None:
@@ -142,6 +128,8 @@ def _time_column(table: Table, wishes: Wishes) -> str | None:
 
 def _rate_columns(columns: Mapping[str, npt.NDArray[Any]], time: str | None, wishes: Wishes) -> list[str]:
     if wishes.columns:
+        if again := [name for index, name in enumerate(wishes.columns) if name in wishes.columns[:index]]:
+            raise LogError(f"column {again[0]!r} named twice")
         return [_present(columns, name) for name in wishes.columns]
     rest = [name for name, values in columns.items() if name != time and values.ndim == 1]
     axes = known.best_axes(rest)
@@ -154,14 +142,14 @@ def _rate_columns(columns: Mapping[str, npt.NDArray[Any]], time: str | None, wis
     unnamed = all(name.startswith("column_") for name in rest)
     if len(numeric) == 1 or (unnamed and len(numeric) <= 3 and numeric):
         return numeric
-    raise LogError(f"no gyro column among {_listed(columns)}: name them (--columns a,b,c)")
+    raise LogError(f"no gyro column among {known.listed(columns)}: name them (--columns a,b,c)")
 
 
 def _factors(
     columns: Mapping[str, npt.NDArray[Any]], chosen: Sequence[str], wishes: Wishes, notes: list[str]
 ) -> dict[str, float]:
     if wishes.unit is not None:
-        return dict.fromkeys(chosen, _UNITS[wishes.unit])
+        return dict.fromkeys(chosen, known.RATE_UNITS[wishes.unit])
     named = {name: known.rate_unit(name)[1] for name in chosen}
     if all(factor is not None for factor in named.values()):
         return {name: factor for name, factor in named.items() if factor is not None}
@@ -206,7 +194,7 @@ def _time(table: Table, time: str | None, count: int, wishes: Wishes, notes: lis
     if time is None:
         if wishes.rate_hz is None:
             raise LogError(
-                f"no time column among {_listed(table.columns)}: give the rate (--rate HZ) or name it (--time)"
+                f"no time column among {known.listed(table.columns)}: give the rate (--rate HZ) or name it (--time)"
             )
         return np.arange(count) / wishes.rate_hz, None
     stamps = table.columns[time]
@@ -240,7 +228,7 @@ def _dates(table: Table, time: str) -> npt.NDArray[Any]:
 
 def _time_unit(name: str, stamps: npt.NDArray[Any], wishes: Wishes, notes: list[str]) -> float:
     if wishes.time_unit is not None:
-        return _TIME_UNITS[wishes.time_unit]
+        return known.TIME_UNITS[wishes.time_unit]
     named = known.time_unit(name)
     if named is not None:
         return named
@@ -250,11 +238,11 @@ def _time_unit(name: str, stamps: npt.NDArray[Any], wishes: Wishes, notes: list[
     rate = wishes.rate_hz
     if rate is not None:
         # The unit that comes nearest to the rate that was said.
-        unit = min(_TIME_UNITS.values(), key=lambda unit: float(abs(np.log(step * unit * rate))))
+        unit = min(known.TIME_UNITS.values(), key=lambda unit: float(abs(np.log(step * unit * rate))))
     else:
         # Gyro logs lie between 2 Hz and 20 kHz, most of them above 10 Hz.
         unit = next(u for limit, u in ((0.6, 1.0), (100.0, 1e-3), (1e5, 1e-6), (np.inf, 1e-9)) if step <= limit)
     if unit != 1.0:
-        word = next(word for word, value in _TIME_UNITS.items() if value == unit)
+        word = next(word for word, value in known.TIME_UNITS.items() if value == unit)
         notes.append(f"time taken as {word} (median step {step:g}; --time-unit says otherwise)")
     return unit

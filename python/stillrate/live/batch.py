@@ -23,6 +23,12 @@ class Batch:
         When they came, in ns of the system's clock; by the kernel's stamp where it gives one.
     gap_s : float
         Time without a connection just before, in s.
+
+    Examples
+    --------
+    >>> batch = Batch([b"0.1", b"0.2"], arrived_ns=1_700_000_000_000_000_000)
+    >>> len(batch.lines), batch.gap_s
+    (2, 0.0)
     """
 
     __slots__ = ("arrived_ns", "gap_s", "lines")
@@ -32,7 +38,7 @@ class Batch:
 
 
 class Source(Protocol):
-    """Something that lines come from.
+    """Something that lines come from: whatever has these fields and methods.
 
     Attributes
     ----------
@@ -42,6 +48,32 @@ class Source(Protocol):
         Datagrams that the system threw away because nobody fetched them in time.
     reconnections : int
         How often the connection came back.
+
+    Examples
+    --------
+    A source of one's own, here a list in place of a sensor's driver:
+
+    >>> import time
+    >>> class Recorded:
+    ...     name, dropped, reconnections = "a list", 0, 0
+    ...
+    ...     def __init__(self, *lines):
+    ...         self.left = list(lines)
+    ...
+    ...     def read(self):
+    ...         if not self.left:
+    ...             raise EOFError
+    ...         return Batch([self.left.pop(0)], time.time_ns())
+    ...
+    ...     def close(self):
+    ...         self.left = []
+    >>> import stillrate as sr
+    >>> from stillrate.live import LineFormat, Loop, open_sink
+    >>> loop = Loop(sr.Pt1(sample_rate_hz=50.0), Recorded(b"1.0", b"1.0"), open_sink("udp://127.0.0.1:9"), LineFormat())
+    >>> loop.run()
+    >>> loop.sink.close()
+    >>> loop.statistics.samples, loop.filter.estimate.rate
+    (2, 1.0)
     """
 
     name: str

@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from stillrate import _native
-
-UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+from stillrate.io.names import TIME_UNITS
 
 
 class Clock:
@@ -46,7 +45,7 @@ class Clock:
             step = abs(stamp - self._last)
             if step == 0:
                 return 0.0
-            self._unit = min(UNITS.values(), key=lambda unit: abs(math.log(step * unit * self._rate)))
+            self._unit = min(TIME_UNITS.values(), key=lambda unit: abs(math.log(step * unit * self._rate)))
         pair = np.array([(self._last - self._first) * self._unit, (stamp - self._first) * self._unit])
         self._last = stamp
         return float(_native.time_steps(pair, self._rate)[1])

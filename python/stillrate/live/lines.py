@@ -6,17 +6,14 @@ begin with ``#`` are passed on. An empty field, or one that says nan or NA, is a
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from stillrate.errors import LogError
 from stillrate.io import names as known
-from stillrate.live.clock import UNITS
 
 _MISSING = frozenset((b"", b"nan", b"NaN", b"NAN", b"NA", b"null", b"None", b"-"))
-RATE_UNITS = {"deg/s": 1.0, "dps": 1.0, "rad/s": known.RAD_S, "rad_s": known.RAD_S, "mdps": 1e-3}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +40,32 @@ class LineFormat:
     time_unit : str, optional
         Unit of the stamps, s, ms, us or ns; from the header or the rate when left out.
 
+    Attributes
+    ----------
+    names : list of str
+        The channels, once the layout is known.
+    time_unit_s : float or None
+        Seconds per unit of the stamps, where it was said.
+
+    Raises
+    ------
+    LogError
+        For a unit that is not known, and from `parse` or `passes` for columns that are not there.
+
     Examples
     --------
     >>> layout = LineFormat(columns=["2"])
     >>> row = layout.parse(b"17;0.25;ok")
     >>> row.values, layout.format(row, [0.2])
     ([0.25], b'17;0.2;ok')
+
+    A header says it all; it is passed on, and after it the layout is ready.
+
+    >>> layout = LineFormat()
+    >>> layout.passes(b"time_ms,gz_rad_s"), layout.ready, layout.has_time, layout.names
+    (True, True, True, ['gz_rad_s'])
+    >>> layout.passes(b"20,0.5"), round(layout.parse(b"20,0.5").values[0], 3)
+    (False, 28.648)
     """
 
     def __init__(
@@ -60,12 +77,9 @@ class LineFormat:
     ) -> None:
         self._wanted = list(columns) if columns else None
         self._wanted_time = time
-        if unit is not None and unit not in RATE_UNITS:
-            raise LogError(f"unit {unit!r} (must be one of {', '.join(RATE_UNITS)})")
-        if time_unit is not None and time_unit not in UNITS:
-            raise LogError(f"time unit {time_unit!r} (must be one of {', '.join(UNITS)})")
-        self._unit = None if unit is None else RATE_UNITS[unit]
-        self.time_unit_s = None if time_unit is None else UNITS[time_unit]
+        known.check_units(unit, time_unit)
+        self._unit = None if unit is None else known.RATE_UNITS[unit]
+        self.time_unit_s = None if time_unit is None else known.TIME_UNITS[time_unit]
         self._positions: list[int] = []
         self._factors: list[float] = []
         self._width = 0
@@ -190,6 +204,4 @@ def _position(name: str, names: list[str], width: int) -> int:
         raise LogError(f"no column {name}: the lines have {width}")
     if not names:
         raise LogError(f"no column {name!r}: the lines have no header, give positions from 1 to {width}")
-    near = difflib.get_close_matches(name, names, n=1)
-    hint = f": did you mean {near[0]!r}?" if near else f" (there are {', '.join(names)})"
-    raise LogError(f"no column {name!r}{hint}")
+    raise known.no_column(name, names)

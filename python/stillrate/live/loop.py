@@ -23,10 +23,31 @@ from stillrate.live.statistics import Statistics
 
 
 class Tap(Protocol):
-    """Something that looks on."""
+    """Something that looks on: whatever has this method.
+
+    Examples
+    --------
+    >>> class Largest:
+    ...     seen = 0.0
+    ...
+    ...     def sample(self, arrived_ns, raw, clean):
+    ...         self.seen = max(self.seen, *map(abs, clean))
+    >>> import os
+    >>> import stillrate as sr
+    >>> from stillrate.live import open_sink
+    >>> from stillrate.live.source import StandardInput
+    >>> read, write = os.pipe()
+    >>> os.write(write, b"1.0,-3.0"), os.close(write)
+    (8, None)
+    >>> tap, sink = Largest(), open_sink("udp://127.0.0.1:9")
+    >>> Loop(sr.Pt1(sample_rate_hz=50.0), StandardInput(read), sink, LineFormat(), tap).run()
+    >>> sink.close()
+    >>> tap.seen
+    3.0
+    """
 
     def sample(self, arrived_ns: int, raw: tuple[float, ...], clean: tuple[float, ...]) -> None:
-        """Take a sample; must not wait."""
+        """Take a sample of all channels, before and after, in deg/s, and when it came in ns; must not wait."""
         ...
 
 
@@ -43,6 +64,13 @@ class Loop:
         How they are laid out.
     tap : Tap, optional
         Is shown every sample.
+
+    Attributes
+    ----------
+    statistics : Statistics
+        Counts and times so far.
+    filter : Filter or None
+        The filter with its last estimate; None before the first good line, which says how many channels there are.
 
     Examples
     --------
@@ -148,7 +176,16 @@ class Loop:
 
 @contextmanager
 def stop_on_signals() -> Iterator[Callable[[], bool]]:
-    """Give a function that says whether ctrl-C or SIGTERM came; the second ctrl-C interrupts for good."""
+    """Give a function that says whether ctrl-C or SIGTERM came; the second ctrl-C interrupts for good.
+
+    Examples
+    --------
+    >>> with stop_on_signals() as stopped:
+    ...     before = stopped()
+    ...     signal.raise_signal(signal.SIGINT)  # ctrl-C
+    ...     print(before, stopped())
+    False True
+    """
     event = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         # Python lets only the main thread handle signals.

@@ -13,7 +13,7 @@ from stillrate.live.source import endpoint
 
 
 class Sink(Protocol):
-    """Something that takes lines.
+    """Something that takes lines: whatever has these fields and methods.
 
     Attributes
     ----------
@@ -21,6 +21,33 @@ class Sink(Protocol):
         As the user calls it.
     failed : int
         Lines that could not be sent.
+
+    Examples
+    --------
+    A sink of one's own, here a list:
+
+    >>> class Kept:
+    ...     name, failed = "a list", 0
+    ...
+    ...     def __init__(self):
+    ...         self.lines = []
+    ...
+    ...     def write(self, lines):
+    ...         self.lines += lines
+    ...
+    ...     def close(self):
+    ...         pass
+    >>> import os
+    >>> import stillrate as sr
+    >>> from stillrate.live import LineFormat, Loop
+    >>> from stillrate.live.source import StandardInput
+    >>> read, write = os.pipe()
+    >>> os.write(write, b"17,2.5,ok"), os.close(write)
+    (9, None)
+    >>> kept = Kept()
+    >>> Loop(sr.Pt1(sample_rate_hz=50.0), StandardInput(read), kept, LineFormat(columns=["2"])).run()
+    >>> kept.lines
+    [b'17,2.5,ok']
     """
 
     name: str
@@ -91,6 +118,12 @@ def open_sink(name: str) -> Sink:
     ------
     LogError
         If the name is neither, or the host unknown.
+
+    Examples
+    --------
+    >>> sink = open_sink("udp://127.0.0.1:5005")
+    >>> sink.write([b"0.1", b"0.2"])  # one datagram; nobody need listen
+    >>> sink.close()
     """
     if name == "-":
         return StandardOutput()

@@ -56,9 +56,11 @@ class Udp:
     reconnections = 0
 
     def __init__(self, host: str, port: int) -> None:
-        family, kind, _, _, address = socket.getaddrinfo(
-            host or "0.0.0.0", port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE
-        )[0]
+        try:
+            found = socket.getaddrinfo(host or "0.0.0.0", port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE)[0]
+        except OSError as error:
+            raise LogError(f"udp://{host}:{port}: no such host ({error.strerror})") from None
+        family, kind, _, _, address = found
         self.dropped = 0
         self._socket = socket.socket(family, kind)
         try:
@@ -110,6 +112,19 @@ def open_source(name: str, *, baud: int = 115200) -> Source:
     ------
     LogError
         If the name means nothing, is a file, or cannot be opened.
+
+    Examples
+    --------
+    Port 0 is any that is free; the source's name says which.
+
+    >>> from stillrate.live import open_sink
+    >>> source = open_source("udp://127.0.0.1:0")
+    >>> sink = open_sink(source.name)
+    >>> sink.write([b"0.1", b"0.2"])
+    >>> source.read().lines
+    [b'0.1', b'0.2']
+    >>> sink.close(), source.close()
+    (None, None)
     """
     if name == "-":
         return StandardInput()

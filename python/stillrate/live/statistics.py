@@ -65,6 +65,23 @@ class Statistics:
         From arrival to sent; distance of the intervals between arrivals from nominal.
     raw, clean : tuple of float
         The last sample in and out in deg/s.
+
+    Examples
+    --------
+    Batches that come every 20 ms, one sample each; a pause is no rate.
+
+    >>> counts = Statistics(period_s=0.02)
+    >>> now = time.time_ns()
+    >>> for k in range(50):
+    ...     counts.arrived(now + k * 20_000_000, 1, connected=True)
+    >>> counts.arrived(now + 60_000_000_000, 1, connected=True)
+    >>> round(counts.rate_hz, 6)
+    50.0
+    >>> counts.sent(time.time_ns() - 2_000_000, lines=1)  # it came 2 ms ago
+    >>> counts.latency.largest_s >= 0.002
+    True
+    >>> counts.summary()[1]
+    'rate 50 Hz (settings 50 Hz), interval off nominal p50 0.001 ms, p99 59000.000 ms, longest 59000.000 ms'
     """
 
     period_s: float

@@ -98,7 +98,7 @@ def troubles(loop: Loop) -> str:
         )
         if count
     ]
-    return "".join(f", {words}" for words in found)
+    return "".join(f", {trouble}" for trouble in found)
 
 
 def remark(loop: Loop) -> str:

@@ -7,12 +7,10 @@ const PRICES = {
   settling: { title: "settling, s", unit: "s", log: false, of: row => row.settling },
   cost: { title: "cost, ns a sample", unit: "ns", log: true, of: row => row.cost },
 };
-const TOOK = 1.1;
 const COLUMNS = [["method", "method"], ["rest", "rest ×"], ["lag", "lag ms"], ["distortion", "distortion σ"], ["settling", "settling s"], ["cost", "cost ns"]];
 // Lines that are drawn at first: these, or the first three where fewer than two of them were compared.
 const FAMILIAR = ["ms-imm-ikf", "one-euro", "pt1"];
 
-const took = row => row.distortion !== null && row.distortion > TOOK;
 const colourOf = k => `--m${k % 12}`, dashOf = k => k < 12 ? [] : [5, 3];
 const fixed = (value, digits) => value === null ? "–" : value === "inf" ? "never" : value.toFixed(digits);
 
@@ -37,11 +35,12 @@ function order(rows, key, down) {
 async function linesOf(stretch) {
   const time = await unpack(stretch.time), clean = {};
   for (const [method, packed] of Object.entries(stretch.clean)) clean[method] = await unpack(packed);
-  return { title: stretch.title, time, raw: await unpack(stretch.raw), clean };
+  return { time, raw: await unpack(stretch.raw), clean };
 }
 
 async function start() {
   const page = JSON.parse(document.getElementById("data").textContent), $ = id => document.getElementById(id);
+  const took = row => row.distortion !== null && row.distortion > page.took_motion;
   const points = new Group(), still = new Group(), moving = new Group(), unpacked = page.channels.map(() => null);
   const gain = new Plot($("gain"), points, { title: "", height: 330, logY: true, logX: true, xUnit: "σ", points: true });
   const plots = {

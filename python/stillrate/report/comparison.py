@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from stillrate.comparing import LAG_REACH_S, Comparison, Stretch
+from stillrate.comparing import AT_REST, LAG_REACH_S, MOVING, Comparison, Stretch
 from stillrate.io.log import Log
-from stillrate.io.safely import atomic
+from stillrate.io.safely import write_text
 from stillrate.report.packing import pack
 from stillrate.report.page import MAX_PAGE_BYTES
 from stillrate.report.shell import as_json, assemble, table
 
 _FINEST = 32
-_NAMES = {"at rest": "rest", "where it moves most": "motion"}
+_NAMES = {AT_REST: "rest", MOVING: "motion"}
 _TOOK_MOTION = 1.1
 """From this distortion on a page says that motion went with the noise: a filter that takes all noise and nothing else has 1."""
 
@@ -42,9 +42,7 @@ def write_page(path: str | Path, found: list[Compared], *, force: bool = False) 
     FileExistsError
         If the file exists and `force` is not set.
     """
-    text = render(found)
-    with atomic(Path(path), force=force) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(Path(path), render(found), force=force)
 
 
 def render(found: list[Compared]) -> str:
@@ -53,7 +51,8 @@ def render(found: list[Compared]) -> str:
     pictured = len(found)
     while True:
         channels = [entry for index, log in enumerate(found) for entry in _channels(log, index < pictured)]
-        data = as_json({"unit": "deg/s", "reach_ms": 1e3 * LAG_REACH_S, "methods": methods, "channels": channels})
+        shared = {"unit": "deg/s", "reach_ms": 1e3 * LAG_REACH_S, "took_motion": _TOOK_MOTION}
+        data = as_json({**shared, "methods": methods, "channels": channels})
         if len(data) < MAX_PAGE_BYTES or pictured == 0:
             break
         pictured //= 2
@@ -63,7 +62,7 @@ def render(found: list[Compared]) -> str:
         title=f"{len(methods)} methods on {found[0].source if len(found) == 1 else f'{len(found)} logs'}",
         lead="What each gains where the sensor stands still, and what that costs where it moves.",
         body="comparison.html",
-        parts={"summary": _summary(found, methods, logs), "precision": left_out},
+        parts={"summary": _summary(found, methods, logs), "precision": left_out, "took": f"{_TOOK_MOTION:g}"},
         data=data,
         scripts=("plot.js", "touch.js", "unpack.js", "comparison.js"),
         styles=("page.css", "comparison.css"),
@@ -87,7 +86,7 @@ def _channels(log: Compared, pictured: bool) -> list[dict[str, Any]]:
 
 def _about(log: Compared, channel: str, stretches: list[Stretch]) -> str:
     noise = f", noise {stretches[0].sigma_dps:.3g} deg/s a sample" if stretches else ""
-    rests = "" if any(s.title == "at rest" for s in stretches) else "; it never rests"
+    rests = "" if any(s.title == AT_REST for s in stretches) else "; it never rests"
     size = f"{len(log.log):,} samples at {log.log.sample_rate_hz:.6g} Hz"
     return f"{log.source}, {channel}: {size}{noise}{rests}."
 

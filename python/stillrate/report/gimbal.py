@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import html
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stillrate import __version__
 from stillrate.gimbal import Calibration
-from stillrate.io.safely import atomic
+from stillrate.io.safely import write_text
+from stillrate.report.shell import still_page
 
 UNITS = {
     "phi": ("urad", 1e6), "kg0": ("deg/h", 206264.80624709636), "kgI": ("deg/h/g", 206264.80624709636),
@@ -38,7 +37,6 @@ def unit(name: str) -> tuple[str, float]:
 
 def render(found: Calibration, source: str, method: str) -> str:
     """Return the page as text."""
-    css = resources.files("stillrate.report").joinpath("gimbal.css").read_text(encoding="utf-8")
     title = f"Gimbal calibration of {source}"
     sigma = found.details["sigma_m_s2"]
     lead = f"Method {method}; noise of one sample {sigma:.3g} m/s²; {_tests(found)}"
@@ -54,15 +52,7 @@ def render(found: Calibration, source: str, method: str) -> str:
                  "them. The vertical scale is set by the second half of the run.</p>", _pictures(found)]  # fmt: skip
     if found.weakest:
         body += ["<h2>Weakest directions</h2>", _weakest(found)]
-    body += [f"<p>stillrate {__version__}</p>"]
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">"
-        f'<link rel="icon" href="data:,"><title>{html.escape(title)}</title><style>{css}</style></head><body>'
-        + "\n".join(body)
-        + "</body></html>\n"
-    )
+    return still_page(title, "\n".join(body))
 
 
 def write_page(path: Path, found: Calibration, source: str, method: str, *, force: bool = False) -> None:
@@ -73,8 +63,7 @@ def write_page(path: Path, found: Calibration, source: str, method: str, *, forc
     FileExistsError
         If the file exists and `force` is not set.
     """
-    with atomic(path, force=force) as temporary:
-        temporary.write_text(render(found, source, method), encoding="utf-8")
+    write_text(path, render(found, source, method), force=force)
 
 
 def _tests(found: Calibration) -> str:

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from stillrate.cleaning import Cleaned, View
-from stillrate.io.safely import atomic
+from stillrate.io.safely import write_text
 from stillrate.report import figures
 from stillrate.report.packing import pack
 from stillrate.report.shell import as_json, assemble, table
+from stillrate.results import Flags
 
 MAX_PAGE_BYTES = 7_500_000
 """Samples are packed more coarsely until the page is smaller."""
@@ -29,14 +30,31 @@ _FINEST = 32
 def write_page(path: str | Path, done: Cleaned, *, force: bool = False) -> None:
     """Write the page of a filtered log.
 
+    Parameters
+    ----------
+    path : str or Path
+    done : Cleaned
+        What `stillrate.cleaning.clean` returned; with ``views=True`` the page shows the models' probabilities too.
+    force : bool
+        Overwrite an existing file.
+
     Raises
     ------
     FileExistsError
         If the file exists and `force` is not set.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stillrate import demo
+    >>> from stillrate.cleaning import clean, settings_for
+    >>> log = demo.wave_log(demo.runs())
+    >>> path = Path(tempfile.mkdtemp()) / "page.html"
+    >>> write_page(path, clean(log, settings_for(log)[0], views=True))
+    >>> "https://" in path.read_text(encoding="utf-8")  # nothing is fetched from elsewhere
+    False
     """
-    text = render(done)
-    with atomic(Path(path), force=force) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(Path(path), render(done), force=force)
 
 
 def render(done: Cleaned) -> str:
@@ -101,8 +119,6 @@ def _time(done: Cleaned) -> dict[str, Any]:
 
 
 def _flags(done: Cleaned, index: int) -> list[dict[str, Any]]:
-    from stillrate.results import Flags
-
     found = []
     for name, count in done.counts[done.raw.channels[index]].items():
         at = np.flatnonzero(done.flags[:, index] & Flags[name].value)

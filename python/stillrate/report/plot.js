@@ -29,7 +29,8 @@ const short = v => !isFinite(v) ? "–" : v === 0 ? "0" : Math.abs(v) >= 1e5 || 
   ? v.toExponential(2) : String(+v.toPrecision(5));
 
 class Plot {
-  // series: [{name, x: index -> value or array, y: array, colour, dots, band: [low, high]}]
+  // holder: the element it fills. options: title, height, xUnit; logX (x is given as log10), logY (y is not), fixed (range of y),
+  // marks (gives what stands at the foot), count (the readout names the sample), points (each series is one point).
   constructor(holder, group, options) {
     this.group = group; this.options = options; this.series = []; this.hidden = new Set();
     const make = (tag, kind) => { const e = document.createElement(tag); e.className = kind; holder.append(e); return e; };
@@ -44,6 +45,7 @@ class Plot {
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
 
+  // series: [{name, colour, x: ascending, y, wide, dash, dots, label}]; what is not finite is a gap.
   set(series) {
     this.series = series;
     this.legend.replaceChildren(...(this.options.points ? [] : series).map(s => {

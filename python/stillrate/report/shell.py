@@ -1,4 +1,7 @@
-"""What all pages share: one HTML file with its style, its data and its scripts inside, and nothing from elsewhere."""
+"""What all pages share: one HTML file with its style, its data and its scripts inside, and nothing from elsewhere.
+
+A page with scripts is made by `assemble`, one that shows all it has at once by `still_page`.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +18,9 @@ import numpy as np
 from stillrate import __version__
 
 
-def asset(name: str) -> str:
-    """Return a file that lies beside this module."""
-    return resources.files("stillrate.report").joinpath(name).read_text(encoding="utf-8")
+def asset(name: str, package: str = "stillrate.report") -> str:
+    """Return a file that lies beside this module, or in another package."""
+    return resources.files(package).joinpath(name).read_text(encoding="utf-8")
 
 
 def as_json(data: Any) -> str:
@@ -58,6 +61,26 @@ def assemble(
         versions=html.escape(f"stillrate {__version__}, numpy {np.__version__}, Python {platform.python_version()}"),
         data=data.replace("</", "<\\/"),
         script="\n".join(asset(name) for name in scripts),
+    )
+
+
+def still_page(title: str, body: str, *, css: str = "") -> str:
+    """Return a page without scripts.
+
+    Parameters
+    ----------
+    title : str
+        Words, as yet unescaped.
+    body : str
+        What stands on the page, as HTML.
+    css : str
+        Style beyond that of all such pages.
+    """
+    return Template(asset("still.html")).substitute(
+        title=html.escape(title),
+        body=body,
+        css=asset("still.css") + css,
+        version=html.escape(f"stillrate {__version__}"),
     )
 
 

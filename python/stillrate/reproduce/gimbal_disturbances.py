@@ -21,7 +21,7 @@ _G = 9.8
 
 
 @dataclass(frozen=True)
-class Row:
+class Disturbed:
     """One disturbance and one way to handle it.
 
     Attributes
@@ -98,7 +98,7 @@ def _cases() -> list[tuple[str, dict[str, float], str, str, dict[str, Any]]]:
     return cases
 
 
-def study(draws: int = 6, seed: int = 2001) -> list[Row]:
+def study(draws: int = 6, seed: int = 2001) -> list[Disturbed]:
     """Run every disturbance with the same draws."""
     seeds = [seed + i for i in range(draws)]
     rows = []
@@ -109,7 +109,7 @@ def study(draws: int = 6, seed: int = 2001) -> list[Row]:
     return [*rows, _gravity(seeds)]
 
 
-def _row(name: str, method: str, handling: str, found: list[dict[str, Any]]) -> Row:
+def _row(name: str, method: str, handling: str, found: list[dict[str, Any]]) -> Disturbed:
     other = np.array([100 * one["other"] for one in found])
     ratios = []
     for one in found:
@@ -117,7 +117,7 @@ def _row(name: str, method: str, handling: str, found: list[dict[str, Any]]) -> 
         use = deviation > 0
         use[:3] = False
         ratios.append(((np.array(one["coefficients"]) - np.array(one["truth"]))[use] / deviation[use]) ** 2)
-    return Row(
+    return Disturbed(
         disturbance=name,
         method=method,
         handling=handling,
@@ -130,7 +130,7 @@ def _row(name: str, method: str, handling: str, found: list[dict[str, Any]]) -> 
     )
 
 
-def _gravity(seeds: list[int]) -> Row:
+def _gravity(seeds: list[int]) -> Disturbed:
     """Take a gravity that is wrong by 1e-6 for a right one: to the records a scale error of the accelerometers."""
     command, found = trajectory(), []
     for seed in seeds:
@@ -151,7 +151,7 @@ def _gravity(seeds: list[int]) -> Row:
     return _row("gravity 1e-6 g", "relinearised", "nothing", found)
 
 
-def remarks(rows: list[Row]) -> list[str]:
+def remarks(rows: list[Disturbed]) -> list[str]:
     """Return what no test notices, and what the additions to the published method are worth."""
     of = {(row.disturbance, row.method, row.handling): row for row in rows}
     nominal = of["none", "relinearised", ""]

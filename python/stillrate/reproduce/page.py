@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
-from importlib import resources
 
-from stillrate import __version__
+from stillrate.report.shell import asset, still_page
 from stillrate.reproduce.all import STUDIES, counts
 from stillrate.reproduce.row import NOT_REPRODUCED, NOT_REPRODUCIBLE, REPRODUCED, Row
 
@@ -22,20 +21,9 @@ _HEADS = ("quantity", "published", "ours", "accepted", "verdict", "why")
 
 def render(rows: Sequence[Row], *, short: bool) -> str:
     """Return the page as text."""
-    css = "".join(
-        resources.files(f"stillrate.{package}").joinpath(name).read_text(encoding="utf-8")
-        for package, name in (("report", "gimbal.css"), ("reproduce", "page.css"))
-    )
     parts = [f"<h1>{TITLE}</h1><p>{LEAD}</p>", f"<p><b>{SHORT}</b></p>" if short else "", _summary(rows)]
     parts += [_study(name, [row for row in rows if row.study == name]) for name in dict.fromkeys(r.study for r in rows)]
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">"
-        f'<link rel="icon" href="data:,"><title>{TITLE}</title><style>{css}</style></head><body data-ready="1">'
-        + "\n".join(filter(None, parts))
-        + f"\n<p>stillrate {__version__}</p></body></html>\n"
-    )
+    return still_page(TITLE, "\n".join(filter(None, parts)), css=asset("page.css", "stillrate.reproduce"))
 
 
 def number(value: float | None) -> str:

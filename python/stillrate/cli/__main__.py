@@ -1,5 +1,0 @@
-"""``python -m stillrate.cli``."""
-
-from stillrate.cli import run
-
-run()
