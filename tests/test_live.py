@@ -103,8 +103,8 @@ def test_a_scrap_at_the_start_costs_no_line():
             1,
             "did you mean 'gyro_z'",
         ),
-        (b"1\n", ["--rate", "100", "--density", "0.02", "-o", "file.csv"], 1, "cannot send there"),
-        (b"1\n", ["--rate", "100", "--density", "0.02", "--unit", "rpm"], 1, "unit 'rpm'"),
+        (b"1\n", ["--rate", "100", "--density", "0.02", "-o", "file.csv"], 2, "cannot send there"),
+        (b"1\n", ["--rate", "100", "--density", "0.02", "--unit", "rpm"], 2, "unit = 'rpm'"),
     ],
 )
 def test_wrong_calls_say_so(text, arguments, code, words, monkeypatch, capfd):

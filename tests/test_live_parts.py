@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from stillrate.errors import LogError
+from stillrate.errors import ConfigError, LogError
 from stillrate.live import LineFormat
 from stillrate.live.batch import LONGEST_LINE, Splitter
 from stillrate.live.clock import Clock
@@ -18,7 +18,7 @@ def test_a_file_is_no_live_source(tmp_path):
     (tmp_path / "log.csv").write_text("1\n")
     with pytest.raises(LogError, match="filter"):
         open_source(str(tmp_path / "log.csv"))
-    with pytest.raises(LogError, match="udp://HOST:PORT"):
+    with pytest.raises(ConfigError, match="udp://HOST:PORT"):
         open_source("udp://nowhere")
     with pytest.raises(LogError, match=r"udp://nowhere\.invalid:5005: no such host"):
         open_source("udp://nowhere.invalid:5005")

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from stillrate.errors import LogError
+from stillrate.errors import ConfigError, LogError
 
 RAD_S = 57.29577951308232
 """deg/s in one rad/s."""
@@ -162,11 +162,11 @@ def is_time(name: str) -> bool:
 
 
 def check_units(unit: str | None, time_unit: str | None) -> None:
-    """Raise LogError if a unit that a caller named is none that is known."""
+    """Raise ConfigError if a unit that a caller named is none that is known."""
     if unit is not None and unit not in RATE_UNITS:
-        raise LogError(f"unit {unit!r} (must be one of {', '.join(RATE_UNITS)})")
+        raise ConfigError(f"unit = {unit!r} (must be one of {', '.join(RATE_UNITS)})")
     if time_unit is not None and time_unit not in TIME_UNITS:
-        raise LogError(f"time unit {time_unit!r} (must be one of {', '.join(TIME_UNITS)})")
+        raise ConfigError(f"time_unit = {time_unit!r} (must be one of {', '.join(TIME_UNITS)})")
 
 
 def listed(columns: Iterable[str]) -> str:

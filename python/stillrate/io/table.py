@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stillrate.errors import LogError
+from stillrate.errors import ConfigError, LogError
 from stillrate.io import names as known
 from stillrate.io.log import Floats, Layout, Log
 
@@ -50,10 +50,10 @@ class Wishes:
     time_unit: str | None = None
 
     def check(self) -> None:
-        """Raise LogError if a wish has no meaning."""
+        """Raise ConfigError if a wish has no meaning."""
         known.check_units(self.unit, self.time_unit)
         if self.rate_hz is not None and not (np.isfinite(self.rate_hz) and self.rate_hz > 0):
-            raise LogError(f"rate = {self.rate_hz:g} (must be finite and > 0 Hz)")
+            raise ConfigError(f"rate_hz = {self.rate_hz:g} (must be finite and > 0 Hz)")
 
 
 def to_log(table: Table, wishes: Wishes) -> Log:

@@ -8,7 +8,7 @@ import socket
 import sys
 from typing import Any, Protocol
 
-from stillrate.errors import LogError
+from stillrate.errors import ConfigError, LogError
 from stillrate.live.source import endpoint
 
 
@@ -116,8 +116,10 @@ def open_sink(name: str) -> Sink:
 
     Raises
     ------
+    ConfigError
+        If the name is neither.
     LogError
-        If the name is neither, or the host unknown.
+        If the host is unknown.
 
     Examples
     --------
@@ -129,4 +131,4 @@ def open_sink(name: str) -> Sink:
         return StandardOutput()
     if name.startswith("udp:"):
         return UdpSink(*endpoint(name))
-    raise LogError(f"{name}: cannot send there (- for stdout, or udp://HOST:PORT)")
+    raise ConfigError(f"{name}: cannot send there (- for stdout, or udp://HOST:PORT)")

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from stillrate.errors import LogError
+from stillrate.errors import ConfigError, LogError
 from stillrate.live.batch import WAIT_S, Batch, Source, Splitter
 from stillrate.live.serial_port import SerialPort
 
@@ -143,7 +143,7 @@ def endpoint(name: str) -> tuple[str, int]:
 
     Raises
     ------
-    LogError
+    ConfigError
         If there is no port.
     """
     try:
@@ -152,5 +152,5 @@ def endpoint(name: str) -> tuple[str, int]:
     except ValueError:
         host, port = "", None
     if port is None or not name.startswith("udp://"):
-        raise LogError(f"{name}: must be udp://HOST:PORT, such as udp://127.0.0.1:5005")
+        raise ConfigError(f"{name}: must be udp://HOST:PORT, such as udp://127.0.0.1:5005")
     return host, port
