@@ -203,7 +203,6 @@ fn servo_tune<'py>(
     let found = found.map_err(|e| refused(py, e))?;
     let dict = PyDict::new(py);
     dict.set_item("controller", controller_to(py, &found.design.controller)?)?;
-    dict.set_item("filter", chain_to(py, &family.filled(&found.design.parameters))?)?;
     dict.set_item("parameters", found.design.parameters)?;
     dict.set_item("objective_deg", found.objective_deg)?;
     dict.set_item("feasible", found.feasible)?;

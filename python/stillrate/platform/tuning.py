@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -16,6 +17,8 @@ CHECK_SEEDS: tuple[int, ...] = tuple(range(301, 365))
 VALIDATION_SEEDS: tuple[int, ...] = tuple(range(957_401, 957_417))
 """Seeds that only published figures see; fixed before any published tuning was run."""
 SEARCH_SEED = 20_263
+SWING_DPS = 2.0 * math.pi * 10.0
+"""Rate amplitude of the standard motion, 10 deg at 1 Hz."""
 
 Open = tuple[int, str, float, float, bool]
 """An open setting: link of the chain, name, lowest and highest value, whether the search is logarithmic."""
@@ -30,9 +33,21 @@ class Family:
     Parameters
     ----------
     name : str
+        Its name in tables.
     chain : tuple of (method, settings)
+        First to last; empty for no filter.
     open : tuple of (link, setting, low, high, logarithmic)
+        Which setting of which link of the chain the tuner may choose, from where to where, and whether by its logarithm.
     linear : bool
+        Whether the filter is linear and time-invariant.
+
+    Examples
+    --------
+    >>> import stillrate as sr
+    >>> pt1 = sr.Pt1(sample_rate_hz=50.0, cutoff_hz=5.0)
+    >>> own = Family.of("mine", pt1, sample_rate_hz=50.0, open=[(0, "cutoff_hz", 0.5, 20.0, True)], linear=True)
+    >>> [method for method, _ in own.links()]
+    ['pt1']
     """
 
     name: str
@@ -59,7 +74,13 @@ class Family:
 
 
 def families(setup: Setup | None = None) -> dict[str, Family]:
-    """Return the study's families, from no filter to the default bank followed by a PT1."""
+    """Return the study's families by name, from no filter to the default bank followed by a PT1.
+
+    Examples
+    --------
+    >>> list(families())[:2], families()["pt1"].open[0][1]
+    (['none', 'pt1'], 'cutoff_hz')
+    """
     setup = Setup() if setup is None else setup
     walk = setup.noise.rate_random_walk_dps_sqrt_s
     found = _native.servo_families(setup.sample_rate_hz, setup.noise.density_dps_sqrt_hz, walk)
@@ -78,6 +99,14 @@ class Tuned:
         Whether every demand held on the search's seeds and on those of the check.
     tried
         How many of the search's designs were tried on the check seeds until one held.
+
+    Examples
+    --------
+    Where nothing meets the demands the least bad design comes back, marked as such:
+
+    >>> found = tune(families()["none"], 1e-6, evaluations=8, restarts=2, seeds=(1,), check_seeds=())
+    >>> found.feasible, found.objective_deg, found.restarts_deg
+    (False, inf, (inf, inf))
     """
 
     family: Family
@@ -94,6 +123,15 @@ class Row:
     """What a design does, measured on given seeds; spreads are (mean, smallest, largest).
 
     Jitter is the rms of the voltage less its 0.4 s mean, percent of the supply, 6 to 14 s after a 15 deg tilt.
+
+    Examples
+    --------
+    >>> row = validate(families()["none"], Controller(), seeds=(1, 2), margin_seeds=1)
+    >>> mean, least, largest = row.max_deg
+    >>> least <= mean <= largest < 5.5
+    True
+    >>> row.gain_margin >= 2.0 and row.delay_margin_ms >= 10.0
+    True
     """
 
     rms_deg: Spread
@@ -143,6 +181,21 @@ def tune(
         Earlier designs of this family that every restart begins with.
     progress : callable, optional
         Called with the number of evaluations so far; False stops the search.
+
+    Raises
+    ------
+    ConfigError
+        If a budget, an effort or a start cannot be used.
+
+    Examples
+    --------
+    A search that begins with a design which holds its budget cannot end behind it. Searches of more than 1000 evaluations
+    are worth comparing; this one is for show:
+
+    >>> none, first = families()["none"], Controller()
+    >>> found = tune(none, 0.2, starts=[(first, ())], evaluations=20, restarts=1, seeds=(1,), check_seeds=(2,))
+    >>> found.feasible and found.objective_deg < 3.6
+    True
     """
     found = _native.servo_tune(
         Setup() if setup is None else setup,
@@ -174,7 +227,29 @@ def validate(
     seeds: Sequence[int] = VALIDATION_SEEDS,
     margin_seeds: int = 6,
 ) -> Row:
-    """Measure a design on seeds that its tuner did not see (at least two)."""
+    """Measure a design on seeds that its tuner did not see (at least two).
+
+    Parameters
+    ----------
+    family : Family
+    controller : Controller
+    parameters : sequence of float
+        The family's open settings.
+    setup : Setup, optional
+    seeds : sequence of int
+        Seeds of the gyro's noise.
+    margin_seeds : int
+        On how many of them the margins are measured as well, which takes the longest.
+
+    Examples
+    --------
+    With the controller as it is, a low-pass in the loop makes the platform no stiller:
+
+    >>> raw = validate(families()["none"], Controller(), seeds=(1, 2), margin_seeds=0)
+    >>> filtered = validate(families()["pt1"], Controller(), (5.3,), seeds=(1, 2), margin_seeds=0)
+    >>> filtered.rms_deg[0] > raw.rms_deg[0]
+    True
+    """
     if len(seeds) < 2:
         raise ConfigError(f"seeds = {list(seeds)} (must be at least two)")
     bench = Setup() if setup is None else setup
@@ -192,7 +267,16 @@ def tilt_table(
     duration_s: float = 0.4,
     seeds: Sequence[int] = VALIDATION_SEEDS[:6],
 ) -> list[float]:
-    """Peak angle of base tilts in degrees, mean over both signs and the seeds."""
+    """Peak angle of base tilts that take `duration_s`, deg: mean over both signs and the seeds, one a tilt.
+
+    Examples
+    --------
+    Nearly in proportion to the tilt, because the loop's bandwidth makes it:
+
+    >>> large, small = tilt_table(families()["none"], Controller(), tilts_deg=(20.0, 10.0), seeds=(1,))
+    >>> 1.9 < large / small < 2.1
+    True
+    """
     bench = Setup() if setup is None else setup
     found: list[float] = _native.servo_tilt_table(
         bench, family, controller, list(parameters), list(tilts_deg), duration_s, list(seeds)
@@ -205,12 +289,25 @@ def integration_error(
     parameters: Sequence[float] = (),
     *,
     setup: Setup | None = None,
-    amplitude_dps: float = 62.83185307179586,
+    amplitude_dps: float = SWING_DPS,
     frequency_hz: float = 1.0,
     duration_s: float = 70.0,
     seeds: Sequence[int] = VALIDATION_SEEDS[:8],
 ) -> float:
-    """Error in degrees (rms over seeds) that integrating the filter's output adds to integrating the raw rate."""
+    """Error in degrees (rms over seeds) that integrating the filter's output adds to integrating the raw rate.
+
+    The motion is a sine of `amplitude_dps` for `duration_s` and then 5 s of rest, in which a filter's lag runs out.
+
+    Examples
+    --------
+    A low-pass hands on all that it is given; the bank takes a slow motion below the noise for none:
+
+    >>> slow = {"amplitude_dps": 0.2, "frequency_hz": 0.05, "duration_s": 25.0, "seeds": (1, 2)}
+    >>> known = families()
+    >>> by_bank = integration_error(known["ms-imm-ikf+pt1"], (3.6,), **slow)
+    >>> by_bank > 10.0 * integration_error(known["pt1"], (3.6,), **slow)
+    True
+    """
     bench = Setup() if setup is None else setup
     motion = (amplitude_dps, frequency_hz)
     return float(_native.servo_integration_error(bench, family, list(parameters), motion, duration_s, list(seeds)))
@@ -226,7 +323,30 @@ def describe(
     periods: int = 600,
     seed: int = 1,
 ) -> list[tuple[float, float]]:
-    """Return the describing function: (gain, phase in degrees) at each amplitude of the rate, noise present."""
+    """Return the describing function: (gain, phase in degrees) at each amplitude of the rate, noise present.
+
+    Parameters
+    ----------
+    filter : configuration, textbook filter or a sequence of them, optional
+    sample_rate_hz, frequency_hz : float
+        Rate of the samples and frequency of the sine, Hz.
+    amplitudes_dps : sequence of float
+        Amplitudes of the sine, deg/s.
+    noise_sigma_dps : float
+        Standard deviation of a sample's noise, deg/s.
+    periods, seed : int
+        Periods over which the first harmonic is taken, after 10 s of settling, and the noise's seed.
+
+    Examples
+    --------
+    A linear filter has one gain, an adaptive one another at every amplitude:
+
+    >>> import stillrate as sr
+    >>> bank = sr.MsImmIkf(sample_rate_hz=50.0, noise=Setup().noise)
+    >>> (quiet, _), (loud, _) = describe(bank, amplitudes_dps=(0.05, 60.0), periods=150)
+    >>> quiet < 0.3 and abs(loud - 1.0) < 0.02
+    True
+    """
     return describe_links(
         links(filter, sample_rate_hz), sample_rate_hz, frequency_hz, amplitudes_dps, noise_sigma_dps, (periods, seed)
     )
