@@ -8,7 +8,7 @@
 
 use stillrate::{ConfigError, Real};
 
-use super::search::Score;
+use super::score::Score;
 use super::trial::{QUIET_PERCENT, Trial};
 
 /// Gain factor and added delay (s) that must stay quiet on every seed of the check: 5 and 10 % beyond what is demanded.

@@ -21,6 +21,7 @@ pub mod open_loop;
 pub mod plant;
 mod plant_sets;
 pub mod platform;
+mod score;
 pub mod search;
 pub mod study;
 mod swarm;

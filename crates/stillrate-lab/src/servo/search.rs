@@ -7,35 +7,12 @@
 //! violations have no common weight. Every trial is evaluated against its own parent, so an evaluation may stop as soon as it cannot win.
 //! Libraries' optimisers draw on the platform's random numbers and libm, which this project's results may not depend on.
 
-use core::cmp::Ordering;
-
 use rayon::prelude::*;
 use stillrate::Real;
 
+use super::score::{Score, Scored, order};
 use super::swarm::{FEWEST, Swarm};
 use crate::random::{Generator, Random};
-
-/// How good a point is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Score {
-    /// Sum of constraint violations, 0 for a feasible point.
-    pub(crate) violation: f64,
-    /// Value to minimise.
-    pub(crate) value: f64,
-}
-
-impl Score {
-    /// Worse than anything.
-    pub(crate) const WORST: Self = Self { violation: f64::INFINITY, value: f64::INFINITY };
-
-    /// Deb's comparison; NaN never wins.
-    pub(crate) fn beats(self, other: Self) -> bool {
-        if self.violation != other.violation {
-            return self.violation < other.violation;
-        }
-        self.value < other.value
-    }
-}
 
 /// Range of one coordinate.
 ///
@@ -106,9 +83,6 @@ pub struct Effort {
     pub seed: u64,
 }
 
-/// A point and its score.
-pub(crate) type Scored = (Vec<f64>, Score);
-
 /// What a search found.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Found {
@@ -164,17 +138,6 @@ pub(crate) fn minimise(
         }
     }
     Found { restarts }
-}
-
-/// Best first.
-pub(super) fn order(a: &Scored, b: &Scored) -> Ordering {
-    if a.1.beats(b.1) {
-        Ordering::Less
-    } else if b.1.beats(a.1) {
-        Ordering::Greater
-    } else {
-        Ordering::Equal
-    }
 }
 
 /// A Latin hypercube, its first points replaced by the starts.

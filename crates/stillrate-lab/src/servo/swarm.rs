@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use stillrate::Real;
 
-use super::search::{Score, Scored, order};
+use super::score::{Score, Scored, order};
 use crate::random::{Generator, Random};
 
 /// The least number of points that a child can be made from, and what a run of few evaluations begins with.

@@ -13,7 +13,8 @@ use super::bench::{Bench, Design};
 use super::controller::Controller;
 use super::demands::{Demands, searched};
 use super::family::Family;
-use super::search::{Effort, Found, Range, Score, Scored, minimise};
+use super::score::{Score, Scored};
+use super::search::{Effort, Found, Range, minimise};
 use super::trial::Trial;
 use crate::settings_map::SettingsError;
 
