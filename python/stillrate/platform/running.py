@@ -188,7 +188,8 @@ def open_loop(
     period_s, dt_s : float
         How long a voltage is held, and the integration step, s.
     start : sequence of 7 float
-        States at the start.
+        States at the start. A drive angle far from the platform's less the base's twists the coupling, which throws the
+        drive to rates that the step was not checked for: what follows may not be finite.
 
     Returns
     -------

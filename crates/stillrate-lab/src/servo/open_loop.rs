@@ -12,6 +12,9 @@ const MOST_STEPS: usize = 100_000;
 /// States at the start and after every period, each of `steps` integration steps of `dt_s` (s) under one of the voltages (V). Times are
 /// counted from the start of `base`; the states (SI, rad) are those of [`plant`](super::plant).
 ///
+/// A start that twists the coupling far (a drive angle that is not the platform's less the base's) throws the drive to rates beyond the
+/// supply's, for which the step was not checked: what follows may not be finite.
+///
 /// # Errors
 /// [`ConfigError`] naming the field of plant, base motion or step that is out of range.
 ///

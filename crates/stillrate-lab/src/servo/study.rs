@@ -215,7 +215,8 @@ pub fn tilt_table(
 /// let families = standard(50.0, bench.noise);
 /// let added = |name: &str, parameters: &[f64]| {
 ///     let family = families.iter().find(|f| f.name == name).unwrap();
-///     integration_error_deg(&bench, family, parameters, |_| 0.2, 20.0, &[1, 2, 3]).unwrap() // 4 deg in all
+///     let slow = |t: f64| 0.2 * (core::f64::consts::TAU * 0.05 * t).sin();
+///     integration_error_deg(&bench, family, parameters, slow, 25.0, &[1, 2]).unwrap()
 /// };
 /// assert_eq!(added("none", &[]), 0.0);
 /// // A low-pass hands on all that it is given; the bank takes a motion below the noise for none.
