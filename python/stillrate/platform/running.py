@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stillrate import _native
-from stillrate.platform.model import Base, Controller, GyroErrors, Link, LoopFilter, Plant, Setup, links
+from stillrate.platform.model import Controller, GyroErrors, Link, LoopFilter, Plant, Setup, links
+from stillrate.platform.motion import Base
 
 COLUMNS = ("theta", "u", "w", "y", "theta_hat", "alpha", "phi", "nu")
 

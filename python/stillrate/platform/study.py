@@ -6,16 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from stillrate.errors import ConfigError
-from stillrate.platform.model import Base, Controller, Link, Setup
+from stillrate.platform.describing import SWING_DPS, describe_links, integration_error
+from stillrate.platform.model import Controller, Link, Setup
+from stillrate.platform.motion import Base
 from stillrate.platform.running import Run, run_links
 from stillrate.platform.tuning import (
-    SWING_DPS,
     VALIDATION_SEEDS,
     Family,
     Row,
-    describe_links,
     families,
-    integration_error,
     tilt_table,
     tune,
     validate,
