@@ -3,8 +3,8 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use stillrate_lab::servo::drift::{
-    DriftError, DriftLoop, FilterPosition, LoopNoise, TransferFunction, drift, lyapunov, quadrature, steady_state,
-    van_loan,
+    DriftError, DriftLoop, FilterPosition, LoopNoise, TransferFunction, drift, drift_in_band, lyapunov, quadrature,
+    steady_state, van_loan,
 };
 use stillrate_lab::settings_map::SettingsError;
 
@@ -84,18 +84,10 @@ fn servo_drift(
             noise = noise.with_gauss_markov(sigma, tau)?;
         }
         let bias = servo.bias_gain();
-        if let Some((low, high)) = band_rad_s {
-            let gain = servo.power_gain()?;
-            let band = |s: &dyn Fn(f64) -> f64| quadrature::band_variance(|w| gain(w) * s(w), low, high, 1e-13);
-            let (s2, t) = (noise.bias_sigma * noise.bias_sigma, noise.bias_time_s);
-            return Ok((
-                if white == 0.0 { 0.0 } else { white * white * band(&|_| 1.0)? },
-                if sigma == 0.0 { 0.0 } else { band(&|w| 2.0 * s2 * t / (1.0 + w * w * t * t))? },
-                if walk == 0.0 { 0.0 } else { walk * walk * band(&|w| 1.0 / (w * w))? },
-                bias,
-            ));
-        }
-        let d = drift(&servo.noise_path()?, &noise, time_s)?;
+        let d = match band_rad_s {
+            Some(band) => drift_in_band(&servo, &noise, band)?,
+            None => drift(&servo.noise_path()?, &noise, time_s)?,
+        };
         Ok((d.white, d.gauss_markov, d.rate_random_walk, bias))
     };
     compute().map_err(|e| refused(py, &e))

@@ -7,20 +7,21 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use stillrate::{ConfigError, GyroNoise};
 use stillrate_lab::servo::PlatformDesign;
+use stillrate_lab::servo::chain::{by_name, linear_equivalent};
 use stillrate_lab::servo::family::standard;
-use stillrate_lab::servo::loop_filter::{by_name, linear_equivalent};
 use stillrate_lab::servo::measure;
+use stillrate_lab::servo::open_loop::open_loop;
 use stillrate_lab::servo::plant::{Plant, STATES};
 use stillrate_lab::servo::platform::GyroErrors;
 use stillrate_lab::servo::search::Effort;
 use stillrate_lab::servo::study::{self, Row, Spread};
-use stillrate_lab::servo::trial::Design;
 use stillrate_lab::servo::tuner::{self, Task};
+use stillrate_lab::servo::warnings::warnings;
 use stillrate_lab::settings_map::SettingsError;
 
 use crate::servo_objects::{
-    base_from, bench_from, chain_from, chain_to, controller_from, controller_to, family_from, number, plant_from,
-    refused,
+    base_from, bench_from, chain_from, chain_to, controller_from, controller_to, design_from, family_from, number,
+    plant_from, refused,
 };
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -94,7 +95,7 @@ fn servo_run<'py>(
     axis.angle_reference_rad = reference_deg.to_radians();
     axis.drive_range_rad = number(setup, "drive_range_deg")?.to_radians();
     let range = number(setup, "range_deg")?;
-    let warnings = study::warnings(&axis, &base, &linear_equivalent(&chain), range);
+    let warnings = warnings(&axis, &base, &linear_equivalent(&chain), range);
     let record = py
         .detach(|| {
             let mut filter = by_name(&chain)?;
@@ -132,20 +133,11 @@ fn servo_open_loop<'py>(
     let plant = plant_from(plant)?;
     let base = base_from(base)?;
     let (dt, steps) = timing;
-    plant.check(dt).and_then(|()| base.check()).map_err(|e| refused(py, e))?;
-    let mut x: [f64; STATES] =
+    let start: [f64; STATES] =
         start.try_into().map_err(|_| refused(py, ConfigError::new("start", f64::NAN, "", "a list of 7 states")))?;
-    let steps = steps.clamp(1, 100_000);
-    let kernel = plant.kernel();
-    let mut motion = vec![(0.0, 0.0); 2 * steps + 1];
-    let mut rows = vec![x.to_vec()];
-    for (k, u) in voltage.as_array().iter().enumerate() {
-        base.fill((k * steps) as f64 * dt, 0.5 * dt, &mut motion);
-        for j in 0..steps {
-            kernel.step(&mut x, *u, &[motion[2 * j], motion[2 * j + 1], motion[2 * j + 2]], dt);
-        }
-        rows.push(x.to_vec());
-    }
+    let voltage: Vec<f64> = voltage.as_array().to_vec();
+    let states = open_loop(&plant, &base, &voltage, start, dt, steps).map_err(|e| refused(py, e))?;
+    let rows: Vec<Vec<f64>> = states.iter().map(|state| state.to_vec()).collect();
     table(py, &rows, STATES)
 }
 
@@ -211,17 +203,12 @@ fn servo_tune<'py>(
     let found = found.map_err(|e| refused(py, e))?;
     let dict = PyDict::new(py);
     dict.set_item("controller", controller_to(py, &found.design.controller)?)?;
-    dict.set_item("filter", chain_to(py, &family.filled(&found.design.parameters))?)?;
     dict.set_item("parameters", found.design.parameters)?;
     dict.set_item("objective_deg", found.objective_deg)?;
     dict.set_item("feasible", found.feasible)?;
     dict.set_item("restarts_deg", found.restarts_deg)?;
     dict.set_item("tried", found.tried)?;
     Ok(dict)
-}
-
-fn design_from(controller: &Bound<'_, PyAny>, parameters: Vec<f64>) -> PyResult<Design> {
-    Ok(Design { controller: controller_from(controller)?, parameters })
 }
 
 /// A design's row in the table, measured on the given seeds.

@@ -2,8 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyList;
+use stillrate_lab::servo::chain::by_name;
 use stillrate_lab::servo::describing::describe;
-use stillrate_lab::servo::loop_filter::by_name;
 use stillrate_lab::servo::study;
 
 use crate::servo_objects::{bench_from, chain_from, family_from, refused};

@@ -5,16 +5,15 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use stillrate::GyroNoise;
 use stillrate_lab::servo::base::{Base, Recorded};
+use stillrate_lab::servo::bench::{Bench, Design};
+use stillrate_lab::servo::chain::Link;
 use stillrate_lab::servo::controller::Controller;
 use stillrate_lab::servo::family::{Family, Tunable};
 use stillrate_lab::servo::plant::{Curves, Plant};
 use stillrate_lab::servo::search::Range;
-use stillrate_lab::servo::trial::Bench;
-use stillrate_lab::settings_map::{SettingsError, SettingsMap};
+use stillrate_lab::settings_map::SettingsError;
 
 use crate::convert::{config_error, settings_from, settings_to};
-
-pub(crate) type Chain = Vec<(String, SettingsMap)>;
 
 pub(crate) fn refused<E: Into<SettingsError>>(py: Python<'_>, error: E) -> PyErr {
     config_error(py, &error.into())
@@ -87,7 +86,7 @@ pub(crate) fn base_from(object: &Bound<'_, PyAny>) -> PyResult<Base> {
     })
 }
 
-pub(crate) fn chain_from(list: &Bound<'_, PyList>) -> PyResult<Chain> {
+pub(crate) fn chain_from(list: &Bound<'_, PyList>) -> PyResult<Vec<Link>> {
     list.iter()
         .map(|link| {
             let (method, settings): (String, Bound<'_, PyDict>) = link.extract()?;
@@ -96,7 +95,7 @@ pub(crate) fn chain_from(list: &Bound<'_, PyList>) -> PyResult<Chain> {
         .collect()
 }
 
-pub(crate) fn chain_to<'py>(py: Python<'py>, chain: &Chain) -> PyResult<Bound<'py, PyList>> {
+pub(crate) fn chain_to<'py>(py: Python<'py>, chain: &[Link]) -> PyResult<Bound<'py, PyList>> {
     let list = PyList::empty(py);
     for (method, settings) in chain {
         list.append((method, settings_to(py, settings)?))?;
@@ -119,6 +118,10 @@ pub(crate) fn bench_from(object: &Bound<'_, PyAny>) -> PyResult<Bench> {
         amplitude_deg: number(object, "amplitude_deg")?,
         frequency_hz: number(object, "frequency_hz")?,
     })
+}
+
+pub(crate) fn design_from(controller: &Bound<'_, PyAny>, parameters: Vec<f64>) -> PyResult<Design> {
+    Ok(Design { controller: controller_from(controller)?, parameters })
 }
 
 pub(crate) fn family_from(object: &Bound<'_, PyAny>) -> PyResult<Family> {

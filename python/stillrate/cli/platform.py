@@ -150,11 +150,11 @@ def _measured(setup: Setup, designs: list[Design], seeds: int, motion: Recorded 
     )
     base = Sine(amplitude_deg=setup.amplitude_deg, frequency_hz=setup.frequency_hz)
     looked_at = _worth_showing(results)
-    runs = tuple((_name(design), show(design, base, setup=setup, duration_s=8.0)) for design in looked_at)
+    runs = tuple((design.label, show(design, base, setup=setup, duration_s=8.0)) for design in looked_at)
     recorded: tuple[tuple[str, Run], ...] = ()
     if motion is not None:
         length = min(60.0, len(motion.rate_dps) / motion.sample_rate_hz)
-        recorded = tuple((_name(design), show(design, motion, setup=setup, duration_s=length)) for design in looked_at)
+        recorded = tuple((design.label, show(design, motion, setup=setup, duration_s=length)) for design in looked_at)
     fixed = tuple(fixed_test(setup, seeds=chosen)) if setup.sample_rate_hz == 50.0 else ()
     described = tuple(describing_test(setup)) if setup.sample_rate_hz == 50.0 else ()
     notes = tuple(dict.fromkeys(f"{name}: {text}" for name, run in (*runs, *recorded) for text in run.warnings))
@@ -179,10 +179,6 @@ def _worth_showing(results: tuple[Result, ...]) -> list[Design]:
             by_name[result.design.family] = result
     ordered = sorted(by_name.values(), key=lambda r: (r.design.family != "none", r.row.max_deg[0]))
     return [result.design for result in ordered[:4]]
-
-
-def _name(design: Design) -> str:
-    return f"{design.family} ({design.budget_percent:g} %)"
 
 
 def _show(study: Study) -> None:

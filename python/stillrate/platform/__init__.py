@@ -5,10 +5,9 @@ controller and filter together at a budget of actuator jitter; `drift` and `vari
 of linear loops in closed form.
 """
 
+from stillrate.platform.describing import describe, integration_error
 from stillrate.platform.drift import Drift, LoopNoise, drift, variance
 from stillrate.platform.model import (
-    Base,
-    Constant,
     Controller,
     GyroErrors,
     LoopButterworth,
@@ -16,19 +15,15 @@ from stillrate.platform.model import (
     LoopPt1,
     Plant,
     PlatformDesign,
-    Recorded,
     Setup,
-    Sine,
-    Tilt,
 )
+from stillrate.platform.motion import Base, Constant, Recorded, Sine, Tilt
 from stillrate.platform.running import Run, open_loop, run
 from stillrate.platform.tuning import (
     Family,
     Row,
     Tuned,
-    describe,
     families,
-    integration_error,
     tilt_table,
     tune,
     validate,

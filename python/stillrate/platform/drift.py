@@ -19,16 +19,22 @@ class LoopNoise:
     Parameters
     ----------
     density_dps_sqrt_hz : float
-        N, two-sided: an integrator gathers N^2 T.
+        N, two-sided, deg/s/sqrt(Hz): an integrator gathers N^2 T.
     bias_sigma_dps, bias_time_s : float
-        Gauss-Markov part.
+        Gauss-Markov part: standard deviation in deg/s and time constant in s.
     rate_random_walk_dps_sqrt_s : float
-        K.
+        K, deg/s/sqrt(s).
 
     Examples
     --------
-    >>> round(LoopNoise.from_std_at_rate(0.1074, 50.0).density_dps_sqrt_hz, 6)
+    The same gyro, as four data sheets might state it:
+
+    >>> gyro = LoopNoise.from_std_at_rate(0.1074, 50.0)
+    >>> round(gyro.density_dps_sqrt_hz, 6)
     0.015189
+    >>> stated = LoopNoise.from_density_two_sided(0.015189), LoopNoise.from_density_one_sided(0.021480)
+    >>> [round(other.density_dps_sqrt_hz, 6) for other in (*stated, LoopNoise.from_arw_deg_sqrt_h(0.91132))]
+    [0.015189, 0.015189, 0.015189]
     """
 
     density_dps_sqrt_hz: float = 0.0
@@ -61,7 +67,17 @@ class LoopNoise:
 
 @dataclass(frozen=True)
 class Drift:
-    """Variance of the angle by cause, deg^2, and the angle that a constant rate bias of 1 deg/s leaves, deg."""
+    """Variance of the angle by cause, deg^2, and the angle that a constant rate bias of 1 deg/s leaves, deg.
+
+    Examples
+    --------
+    >>> gyro = LoopNoise.from_density_two_sided(0.015, rate_random_walk_dps_sqrt_s=0.001)
+    >>> minute, ten = drift(gyro, time_s=60.0), drift(gyro, time_s=600.0)
+    >>> round(ten.white / minute.white), round(ten.rate_random_walk / minute.rate_random_walk)
+    (10, 1000)
+    >>> round(minute.total - minute.white - minute.rate_random_walk, 12), round(minute.rms_deg, 3)
+    (0.0, 0.292)
+    """
 
     white: float
     gauss_markov: float
@@ -110,11 +126,11 @@ def drift(
     filter : (numerator, denominator), optional
         A filter, at `filter_position`: "before-loop", "rate-feedback" or "forward-path".
     dead_time_s : float
-        Dead time in the rate loop (needs `band_rad_s`).
+        Dead time in the rate loop, s (needs `band_rad_s`).
     time_s : float, optional
-        Variance this long after a start at rest; default the steady state.
+        Variance this many seconds after a start at rest; default the steady state.
     band_rad_s : (low, high), optional
-        Hard band limits; computed by quadrature.
+        Hard band limits in rad/s; computed by quadrature.
 
     Raises
     ------
@@ -158,9 +174,9 @@ def variance(
     numerator, denominator : sequence of float
         Descending powers of s.
     time_s : float, optional
-        After this time from rest (Van Loan and doubling); default the steady state.
+        After this time in s from rest (Van Loan and doubling); default the steady state.
     band_rad_s : (low, high), optional
-        Over a hard band (quadrature).
+        Over a hard band in rad/s (quadrature).
     algorithm : str
         For the steady state: "astrom", "lyapunov" or "van-loan".
 

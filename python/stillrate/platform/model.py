@@ -1,11 +1,11 @@
-"""What stands on the bench: plant, controller, base motions, gyro; frozen, checked by the numerics when they run."""
+"""What stands on the bench: plant, controller, gyro, filter; frozen, checked by the numerics when they run."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,66 +39,30 @@ class Controller:
         Integrate the filtered rate instead of the raw one; adaptive filters then lose slow motion.
     inclinometer_time_s : float
         Time constant of the correction by an inclinometer, s; 0 is none.
+
+    Examples
+    --------
+    A biased gyro lets the platform drift away; an inclinometer holds what a gyro alone cannot know:
+
+    >>> from stillrate.platform import Constant, run
+    >>> biased = GyroErrors(bias_dps=0.05)
+    >>> drifted = run(Constant(), gyro=biased, duration_s=60.0).angle_deg[-1]
+    >>> levelled = Controller(inclinometer_time_s=5.0)
+    >>> held = run(Constant(), gyro=biased, controller=levelled, duration_s=60.0).angle_deg[-1]
+    >>> bool(abs(drifted) > 2.5 and abs(held) < 0.5)
+    True
     """
 
     kappa: float = 0.179
     ko_per_s: float = 0.3
     kvi_per_s: float = 72.7
     kd_s: float = 0.65e-3
-    rate_demand_max_dps: float = 1.2 * 57.29577951308232
+    rate_demand_max_dps: float = math.degrees(1.2)
     angle_from_filtered: bool = False
     inclinometer_time_s: float = 0.0
 
 
-@dataclass(frozen=True, kw_only=True)
-class Tilt:
-    """The base tilts from 0 to `amplitude_deg` in `duration_s`, along half a cosine."""
-
-    kind: ClassVar[str] = "tilt"
-    amplitude_deg: float
-    duration_s: float = 0.5
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sine:
-    """The base swings by `amplitude_deg` at `frequency_hz`, faded in over `ramp_s`."""
-
-    kind: ClassVar[str] = "sine"
-    amplitude_deg: float = 10.0
-    frequency_hz: float = 1.0
-    ramp_s: float = 1.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Constant:
-    """The base stands still at `angle_deg`."""
-
-    kind: ClassVar[str] = "constant"
-    angle_deg: float = 0.0
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Recorded:
-    """The base follows a recorded rate.
-
-    The mean rate is taken out, the integral is centred, and the whole is scaled down (never up) to `range_deg`.
-    """
-
-    kind: ClassVar[str] = "recorded"
-    rate_dps: NDArray[np.float64]
-    sample_rate_hz: float
-    range_deg: float = 20.0
-
-    def __post_init__(self) -> None:
-        rate = np.ascontiguousarray(np.ma.filled(np.ma.asarray(self.rate_dps, dtype=float), np.nan), dtype=np.float64)
-        if rate.ndim != 1:
-            raise ConfigError(f"rate_dps has shape {rate.shape} (must be one axis: (n,))")
-        object.__setattr__(self, "rate_dps", rate)
-
-
 __all__ = [
-    "Base",
-    "Constant",
     "Controller",
     "GyroErrors",
     "Link",
@@ -108,19 +72,22 @@ __all__ = [
     "LoopPt1",
     "Plant",
     "PlatformDesign",
-    "Recorded",
     "Setup",
-    "Sine",
-    "Tilt",
     "links",
 ]
-
-Base = Tilt | Sine | Constant | Recorded
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class GyroErrors:
-    """What the gyro adds to the true rate; `samples_dps` are added as they are, one a control tick."""
+    """What the gyro adds to the true rate; `samples_dps` are added as they are, one a control tick.
+
+    Examples
+    --------
+    >>> from stillrate.platform import Constant, run
+    >>> coarse = GyroErrors(bias_dps=0.11, lsb_dps=0.0625)
+    >>> float(np.degrees(run(Constant(), gyro=coarse, duration_s=0.02).column("y")[0]).round(4))
+    0.125
+    """
 
     white_sigma_dps: float = 0.0
     bias_dps: float = 0.0
@@ -138,7 +105,13 @@ class GyroErrors:
 
 @dataclass(frozen=True, kw_only=True)
 class LoopPt1:
-    """First-order low-pass by exact discretisation, started at the first sample."""
+    """First-order low-pass by exact discretisation, started at the first sample.
+
+    Examples
+    --------
+    >>> LoopPt1(cutoff_hz=5.3).link(50.0)
+    ('loop-pt1', {'sample_rate_hz': 50.0, 'cutoff_hz': 5.3})
+    """
 
     cutoff_hz: float
 
@@ -149,7 +122,19 @@ class LoopPt1:
 
 @dataclass(frozen=True, kw_only=True)
 class LoopButterworth:
-    """Second-order Butterworth low-pass, bilinear with prewarping, started in the first sample's steady state."""
+    """Second-order Butterworth low-pass, bilinear with prewarping, started in the first sample's steady state.
+
+    Examples
+    --------
+    At its cut-off it is 90 deg late and passes half the power, like its continuous model:
+
+    >>> from stillrate.platform import describe
+    >>> ((gain, phase),) = describe(LoopButterworth(cutoff_hz=8.0), frequency_hz=8.0, amplitudes_dps=(60.0,))
+    >>> round(gain, 2), round(phase)
+    (0.71, -90)
+    >>> LoopButterworth(cutoff_hz=8.0).link(50.0)[0]
+    'loop-butterworth'
+    """
 
     cutoff_hz: float
 
@@ -160,7 +145,19 @@ class LoopButterworth:
 
 @dataclass(frozen=True, kw_only=True)
 class LoopKalman:
-    """Scalar Kalman filter x <- phi x with noise ratio q/R, P0/R = 1."""
+    """Scalar Kalman filter x <- phi x with noise ratio q/R, P0/R = 1.
+
+    Examples
+    --------
+    With phi below 1 it believes that every motion ends, and passes less than all of a steady one:
+
+    >>> from stillrate.platform import describe
+    >>> ((gain, _),) = describe(LoopKalman(phi=0.9, ratio=0.1), frequency_hz=0.01, amplitudes_dps=(60.0,), periods=1)
+    >>> gain < 0.8
+    True
+    >>> LoopKalman(phi=0.9, ratio=0.1).link(50.0)
+    ('loop-kalman', {'phi': 0.9, 'ratio': 0.1})
+    """
 
     phi: float = 1.0
     ratio: float = 0.1
@@ -190,8 +187,8 @@ def links(chosen: LoopFilter | Sequence[LoopFilter] | None, sample_rate_hz: floa
 
 
 def _paper_noise() -> GyroNoise:
-    # 0.1074 deg/s at 50 Hz, taken as white.
-    density = 0.015188653659887039
+    # Taken as white.
+    density = 0.1074 / math.sqrt(50.0)
     return GyroNoise(density_dps_sqrt_hz=density, rate_random_walk_dps_sqrt_s=0.2184 * density)
 
 
@@ -211,13 +208,21 @@ class Setup:
     noise : GyroNoise
         The gyro's noise; white samples of N sqrt(rate) are simulated, filters are told N and K.
     bias_dps : float
-        Constant bias of the gyro.
+        Constant bias of the gyro, deg/s.
     amplitude_deg, frequency_hz : float
-        The base motion that residuals are measured in.
+        The base motion that residuals are measured in: degrees and Hz.
     drive_range_deg : float
-        Where the drive is at its end (flagged).
+        Where the drive is at its end (flagged), deg.
     range_deg : float
-        Base angle from which there is a warning.
+        Base angle from which there is a warning, deg.
+
+    Examples
+    --------
+    >>> faster = Setup().replace(sample_rate_hz=200.0, delay_s=2e-3)
+    >>> faster.noise == Setup().noise  # a density: the samples get noisier, the gyro does not
+    True
+    >>> Setup.camera_gimbal().plant.gear_ratio
+    1.0
     """
 
     plant: Plant = field(default_factory=Plant.platform_30kg)
@@ -228,7 +233,7 @@ class Setup:
     bias_dps: float = 0.005
     amplitude_deg: float = 10.0
     frequency_hz: float = 1.0
-    drive_range_deg: float = 28.64788975654116
+    drive_range_deg: float = math.degrees(0.5)
     range_deg: float = 20.0
 
     @classmethod

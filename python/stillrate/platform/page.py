@@ -20,11 +20,6 @@ SWING, RECORDED = "swing", "recorded"
 """Motions that the animation shows, by the names that join it with its curves."""
 
 
-def label(result: Result) -> str:
-    """Return a design's name with its budget."""
-    return f"{result.design.family} ({result.design.budget_percent:g} %)"
-
-
 def page(study: Study) -> str:
     """Return the page as HTML."""
     setup = study.setup
@@ -93,7 +88,7 @@ def _results(study: Study) -> str:
         row = result.row
         rows.append(
             [
-                label(result) + ("" if result.design.feasible else " *"),
+                result.design.label + ("" if result.design.feasible else " *"),
                 f"{row.rms_deg[0]:.2f}",
                 f"{row.max_deg[0]:.2f} ({row.max_deg[1]:.2f}-{row.max_deg[2]:.2f})",
                 f"{row.jitter_percent:.4f} ({row.jitter_seeds[1]:.4f}-{row.jitter_seeds[2]:.4f})",
@@ -138,7 +133,7 @@ def _goals(study: Study) -> str:
 def _inks(study: Study) -> dict[str, int]:
     """Return one colour a filter, for designs by label and filters by name alike."""
     order = list(dict.fromkeys(result.design.family for result in study.results))
-    labels = {label(result): order.index(result.design.family) for result in study.results}
+    labels = {result.design.label: order.index(result.design.family) for result in study.results}
     return {name: index for index, name in enumerate(order)} | labels
 
 
@@ -168,7 +163,7 @@ def _traces(study: Study, runs: tuple[tuple[str, Run], ...], motion: str) -> str
 
 def _tilts(results: tuple[Result, ...]) -> str:
     head = ["filter (budget)", *(f"{tilt:g} deg" for tilt in TILTS_DEG)]
-    rows = [[label(result), *(f"{peak:.2f}" for peak in result.tilt_peaks_deg)] for result in results]
+    rows = [[result.design.label, *(f"{peak:.2f}" for peak in result.tilt_peaks_deg)] for result in results]
     text = f"<h2>Peak angle while the base tilts in {TILT_S:g} s</h2>"
     return text + _table(head, rows) + "<p class='note'>Mean over both directions and three seeds, deg.</p>"
 
@@ -176,17 +171,16 @@ def _tilts(results: tuple[Result, ...]) -> str:
 def _fixed(study: Study) -> str:
     if not study.fixed:
         return ""
-    raw = study.fixed[0][1]
     rows = [
         [
-            name,
-            f"{row.rms_deg[0]:.2f}",
-            f"{row.max_deg[0]:.2f}",
-            f"{100.0 * (row.rms_deg[0] / raw.rms_deg[0] - 1.0):+.1f} %",
-            f"{row.jitter_percent:.4f}",
-            f"{raw.jitter_percent / max(row.jitter_percent, 1e-12):.1f}x",
+            swapped.name,
+            f"{swapped.row.rms_deg[0]:.2f}",
+            f"{swapped.row.max_deg[0]:.2f}",
+            f"{swapped.change_percent:+.1f} %",
+            f"{swapped.row.jitter_percent:.4f}",
+            f"{swapped.quieter:.1f}x",
         ]
-        for name, row in study.fixed
+        for swapped in study.swapped
     ]
     head = ["filter", "rms deg", "max deg", "residual against none", "rest jitter %", "quieter"]
     return (
@@ -198,14 +192,13 @@ def _fixed(study: Study) -> str:
 
 def _fixed_finding(study: Study) -> str:
     """Say what swapping the filter does, in figures of this run."""
-    raw = study.fixed[0][1]
-    change = {name: 100.0 * (row.rms_deg[0] / raw.rms_deg[0] - 1.0) for name, row in study.fixed[1:]}
     text = "With the controller fixed a filter does not make the platform stiller. "
-    if BANK in change:
-        row = dict(study.fixed)[BANK]
-        quieter = raw.jitter_percent / max(row.jitter_percent, 1e-12)
-        text += f"The bank changes the residual by {change[BANK]:+.1f} % and makes the actuator {quieter:.0f} times quieter at rest. "
-    worse = [f"{name} {value:+.0f} %" for name, value in change.items() if value > 2.0]
+    for bank in (swapped for swapped in study.swapped if swapped.name == BANK):
+        text += (
+            f"The bank changes the residual by {bank.change_percent:+.1f} % and makes the actuator "
+            f"{bank.quieter:.0f} times quieter at rest. "
+        )
+    worse = [f"{s.name} {s.change_percent:+.0f} %" for s in study.swapped if s.change_percent > 2.0]
     if worse:
         text += f"Lag costs residual: {', '.join(worse)}. "
     return text + "What a filter gains in motion comes from the gains that it permits."

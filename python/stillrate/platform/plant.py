@@ -15,6 +15,31 @@ class PlatformDesign:
     """What a designer knows of a spindle-driven platform; `Plant.from_design` turns it into equations.
 
     The defaults are the paper's 30 kg platform; lead, inertia, coupling, play and electrics are assumed.
+
+    Parameters
+    ----------
+    mass_kg, diameter_m : float
+        The platform, kg and m: a disc and 20 % of inertia for what stands on it.
+    arm_m, lead_m : float
+        Arm of the spindle in m and its lead in m a turn: their ratio is the gear.
+    motor_rpm : float
+        Motor speed without load at full voltage, rpm.
+    natural_frequency_hz : float
+        As a pendulum, Hz; 0 is balanced.
+    motor_inertia_kg_m2 : float
+        Inertia of the motor, kg m^2.
+    coupling_hz : float
+        Frequency of the coupling, Hz.
+    half_backlash_deg : float
+        Half of the play, deg.
+    voltage_max_v, current_max_a : float
+        Supply voltage in V and current limit in A.
+
+    Examples
+    --------
+    >>> fine = PlatformDesign(lead_m=0.01)
+    >>> round(Plant.from_design(fine).gear_ratio / Plant.platform_30kg().gear_ratio, 9)
+    2.0
     """
 
     mass_kg: float = 30.0
@@ -90,8 +115,22 @@ class Plant:
 
     Examples
     --------
-    >>> round(Plant.platform_30kg().inertia_kg_m2, 4)
+    >>> plant = Plant.platform_30kg()
+    >>> round(plant.inertia_kg_m2, 4)
     0.4556
+    >>> plant == Plant.from_design(PlatformDesign())
+    True
+    >>> loose = plant.replace(half_backlash_rad=4.0 * plant.half_backlash_rad)
+    >>> gimbal = Plant.camera_gimbal()
+    >>> loose.half_backlash_rad > plant.half_backlash_rad > gimbal.half_backlash_rad
+    True
+
+    Parameters under the names that the equations give them:
+
+    >>> symbols = dict(J=0.46, kg=18.0, Bp=0.5, Tp=0.5, wp=0.01, kc=16e3, cc=8.6, hb=9e-4, ds=1e-4, Jr=0.79, s0=4e3, s1=20.0)
+    >>> symbols |= dict(s2=2.0, Fc=4.0, Fs=6.0, vs=0.02, n=63.0, Ke=0.32, R=1.0, te=2e-3, Vmax=24.0, Imax=3.0, wg=251.0, ks=0.0)
+    >>> Plant.from_symbols(symbols, curves="transcendental").coulomb_n_m
+    4.0
     """
 
     inertia_kg_m2: float

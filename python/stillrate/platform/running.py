@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stillrate import _native
-from stillrate.platform.model import Base, Controller, GyroErrors, Link, LoopFilter, Plant, Setup, links
+from stillrate.platform.model import Controller, GyroErrors, Link, LoopFilter, Plant, Setup, links
+from stillrate.platform.motion import Base
 
 COLUMNS = ("theta", "u", "w", "y", "theta_hat", "alpha", "phi", "nu")
 
@@ -32,6 +33,16 @@ class Run:
         Root mean square and largest magnitude of the angle from 3 s on, degrees (0 for a shorter run).
     warnings : tuple of str
         An unreachable base rate, an angle beyond the range, an unstable loop, each with the number that shows it.
+
+    Examples
+    --------
+    >>> from stillrate.platform import Tilt
+    >>> tilted = run(Tilt(amplitude_deg=10.0), duration_s=8.0)
+    >>> round(float(tilted.base_deg[-1]), 9), bool(abs(tilted.angle_deg[-1]) < 0.3)
+    (10.0, True)
+    >>> drive = np.degrees(tilted.column("alpha"))  # it has turned back what the base tilted
+    >>> bool(abs(drive[-1] + 10.0) < 0.5)
+    True
     """
 
     t_s: NDArray[np.float64]
@@ -110,18 +121,10 @@ def run(
     (400, 8)
     """
     setup = Setup() if setup is None else setup
+    controller = Controller() if controller is None else controller
+    gyro = _gyro(setup, seed) if gyro is None else gyro
     chain = links(filter, setup.sample_rate_hz)
-    return run_links(
-        base,
-        chain,
-        setup=setup,
-        controller=Controller() if controller is None else controller,
-        gyro=gyro,
-        seed=seed,
-        start_deg=start_deg,
-        reference_deg=reference_deg,
-        duration_s=duration_s,
-    )
+    return _run(base, chain, setup, controller, gyro, (start_deg, reference_deg, duration_s))
 
 
 def run_links(
@@ -130,24 +133,29 @@ def run_links(
     *,
     setup: Setup,
     controller: Controller,
-    gyro: GyroErrors | None = None,
-    seed: int = 0,
+    seed: int,
+    duration_s: float,
     start_deg: float = 0.0,
-    reference_deg: float = 0.0,
-    duration_s: float = 8.0,
 ) -> Run:
-    """Run with the filter as a chain of methods and settings; `run` is the convenient form."""
-    if gyro is None:
-        sigma = setup.noise.density_dps_sqrt_hz * float(np.sqrt(max(setup.sample_rate_hz, 0.0)))
-        gyro = GyroErrors(white_sigma_dps=sigma, bias_dps=setup.bias_dps, seed=seed)
-    found = _native.servo_run(
-        setup,
-        controller,
-        chain,
-        base,
-        gyro,
-        (start_deg, reference_deg, duration_s),
-    )
+    """Run with the filter as a chain of methods and settings, and the setup's own gyro; `run` is the convenient form."""
+    return _run(base, chain, setup, controller, _gyro(setup, seed), (start_deg, 0.0, duration_s))
+
+
+def _gyro(setup: Setup, seed: int) -> GyroErrors:
+    sigma = setup.noise.density_dps_sqrt_hz * float(np.sqrt(max(setup.sample_rate_hz, 0.0)))
+    return GyroErrors(white_sigma_dps=sigma, bias_dps=setup.bias_dps, seed=seed)
+
+
+def _run(
+    base: Base,
+    chain: list[Link],
+    setup: Setup,
+    controller: Controller,
+    gyro: GyroErrors,
+    times: tuple[float, float, float],
+) -> Run:
+    """Run; `times` are start and reference in degrees and duration in seconds."""
+    found = _native.servo_run(setup, controller, chain, base, gyro, times)
     record: NDArray[np.float64] = found["record"]
     return Run(
         t_s=np.arange(len(record)) / setup.sample_rate_hz,
@@ -170,10 +178,39 @@ def open_loop(
 ) -> NDArray[np.float64]:
     """Drive the plant alone with given voltages, each held for a period.
 
+    Parameters
+    ----------
+    voltage_v : array_like (n,)
+        Voltages in V.
+    base : Tilt, Sine, Constant or Recorded
+        How the base moves.
+    plant : Plant, optional
+        Default the paper's 30 kg platform.
+    period_s, dt_s : float
+        How long a voltage is held, and the integration step, s.
+    start : sequence of 7 float
+        States at the start. A drive angle far from the platform's less the base's twists the coupling, which throws the
+        drive to rates that the step was not checked for: what follows may not be finite.
+
     Returns
     -------
     ndarray (n + 1, 7)
-        Platform angle and rate, drive angle and rate, current, bristle, gyro: at the start and after every period.
+        Platform angle and rate, drive angle and rate, current, bristle, gyro (SI, radians): at the start and after
+        every period.
+
+    Raises
+    ------
+    ConfigError
+        If a parameter is out of range; the text names it.
+
+    Examples
+    --------
+    >>> from stillrate.platform import Constant
+    >>> states = open_loop([3.0] * 50, base=Constant())
+    >>> states.shape
+    (51, 7)
+    >>> bool(states[-1, 2] > 0.0 and 0.0 < states[-1, 4] < 3.0)  # turning, and the back EMF takes from 3 V / 1 ohm
+    True
     """
     states: NDArray[np.float64] = _native.servo_open_loop(
         Plant.platform_30kg() if plant is None else plant,

@@ -6,15 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from stillrate.errors import ConfigError
-from stillrate.platform.model import Base, Controller, Link, Setup
-from stillrate.platform.running import Run
+from stillrate.platform.describing import SWING_DPS, describe_links, integration_error
+from stillrate.platform.model import Controller, Link, Setup
+from stillrate.platform.motion import Base
+from stillrate.platform.running import Run, run_links
 from stillrate.platform.tuning import (
     VALIDATION_SEEDS,
     Family,
     Row,
-    describe_links,
     families,
-    integration_error,
     tilt_table,
     tune,
     validate,
@@ -51,6 +51,11 @@ class Design:
     objective_deg: float = float("inf")
     """Residual (rms) on the search's seeds: by it designs are chosen, nothing else."""
 
+    @property
+    def label(self) -> str:
+        """The filter's name with the budget."""
+        return f"{self.family} ({self.budget_percent:g} %)"
+
 
 def setup_of(design: Design) -> Setup:
     """Return the setup that a design was tuned on."""
@@ -79,6 +84,18 @@ class Result:
 
 
 @dataclass(frozen=True)
+class Swapped:
+    """What a filter does where the controller stays as it is."""
+
+    name: str
+    row: Row
+    change_percent: float
+    """Change of the residual (rms) against no filter."""
+    quieter: float
+    """How many times less rest jitter than without a filter."""
+
+
+@dataclass(frozen=True)
 class Study:
     """Everything a page shows."""
 
@@ -91,6 +108,22 @@ class Study:
     recorded: tuple[tuple[str, Run], ...] = ()
     notes: tuple[str, ...] = field(default=())
     seeds: int = len(VALIDATION_SEEDS)
+
+    @property
+    def swapped(self) -> tuple[Swapped, ...]:
+        """Every filter of the test with the controller fixed against its first, no filter."""
+        if not self.fixed:
+            return ()
+        raw = self.fixed[0][1]
+        return tuple(
+            Swapped(
+                name,
+                row,
+                100.0 * (row.rms_deg[0] / raw.rms_deg[0] - 1.0),
+                raw.jitter_percent / max(row.jitter_percent, 1e-12),
+            )
+            for name, row in self.fixed
+        )
 
     @property
     def effort(self) -> str:
@@ -171,7 +204,7 @@ def measure(design: Design, *, setup: Setup, seeds: Sequence[int] = VALIDATION_S
     )
     added = tuple(
         integration_error(family, design.parameters, setup=setup, amplitude_dps=a, frequency_hz=f, seeds=seeds[:8])
-        for a, f in ((62.83185307179586, 1.0), (0.2, 0.05))
+        for a, f in ((SWING_DPS, 1.0), (0.2, 0.05))
     )
     return Result(design, row, tuple(peaks), (added[0], added[1]))
 
@@ -233,8 +266,6 @@ def describing_test(setup: Setup) -> list[tuple[str, tuple[tuple[float, float], 
 
 def show(design: Design, base: Base, *, setup: Setup, duration_s: float, seed: int = VALIDATION_SEEDS[0]) -> Run:
     """Run a design once, to be looked at."""
-    from stillrate.platform.running import run_links
-
     family = _family(families(setup), design.family)
     filled = filled_links(family, design.parameters)
     return run_links(base, filled, setup=setup, controller=design.controller, seed=seed, duration_s=duration_s)

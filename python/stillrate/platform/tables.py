@@ -81,14 +81,13 @@ def fixed_table(study: Study) -> Table:
     table = Table(title="the same controller for every filter: the residual hardly moves, the actuator gets quieter")
     table.add_column("filter")
     _numbers(table, ("rms deg", "max deg", "residual", "rest jitter %", "quieter"))
-    raw = study.fixed[0][1]
-    for name, row in study.fixed:
+    for swapped in study.swapped:
         table.add_row(
-            name,
-            f"{row.rms_deg[0]:.3f}",
-            f"{row.max_deg[0]:.2f}",
-            f"{100.0 * (row.rms_deg[0] / raw.rms_deg[0] - 1.0):+.1f} %",
-            f"{row.jitter_percent:.4f}",
-            f"{raw.jitter_percent / max(row.jitter_percent, 1e-12):.1f}x",
+            swapped.name,
+            f"{swapped.row.rms_deg[0]:.3f}",
+            f"{swapped.row.max_deg[0]:.2f}",
+            f"{swapped.change_percent:+.1f} %",
+            f"{swapped.row.jitter_percent:.4f}",
+            f"{swapped.quieter:.1f}x",
         )
     return table

@@ -6,7 +6,7 @@
 use core::f64::consts::{PI, TAU};
 
 use stillrate::Real;
-use stillrate::error::{ConfigError, positive};
+use stillrate::error::{ConfigError, not_negative, positive};
 
 /// Motion of the base about one axis, radians.
 ///
@@ -15,6 +15,8 @@ use stillrate::error::{ConfigError, positive};
 /// use stillrate_lab::servo::base::Base;
 /// let tilt = Base::Tilt { amplitude_rad: 0.2, duration_s: 0.5 };
 /// assert_eq!(tilt.at(3.0), (0.2, 0.0));
+/// let (halfway, rate) = tilt.at(0.25); // fastest here: pi/2 times the mean rate
+/// assert!((halfway - 0.1).abs() < 1e-12 && (rate - 0.4 * core::f64::consts::FRAC_PI_2).abs() < 1e-12);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Base {
@@ -44,6 +46,15 @@ pub enum Base {
 }
 
 /// A recorded motion: rates at a regular rate and their exact integral.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::base::{Base, Recorded};
+/// // Half a rad/s on the mean is a gyro's bias and no motion; what is left swings by 0.1 rad to both sides.
+/// let base = Base::Recorded(Recorded::new(&[0.5, 0.7, 0.5, 0.3, 0.5], 1.0, 0.3).unwrap());
+/// assert!((base.at(0.0).0 + 0.1).abs() < 1e-12 && (base.at(2.0).0 - 0.1).abs() < 1e-12);
+/// assert!(Recorded::new(&[0.5], 1.0, 0.3).is_err());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
     period_s: f64,
@@ -90,9 +101,7 @@ impl Recorded {
         Ok(Self { period_s, rate, angle })
     }
 
-    /// Length of the record, s.
-    #[must_use]
-    pub fn duration_s(&self) -> f64 {
+    fn duration_s(&self) -> f64 {
         self.period_s * (self.rate.len() - 1) as f64
     }
 
@@ -117,10 +126,7 @@ fn integrate(rate: &[f64], period: f64) -> Vec<f64> {
 
 impl Base {
     /// Checks every number.
-    ///
-    /// # Errors
-    /// [`ConfigError`] naming the field.
-    pub fn check(&self) -> Result<(), ConfigError> {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
         let finite = |field, value: f64| {
             if value.is_finite() { Ok(()) } else { Err(ConfigError::new(field, value, "rad", "finite, in")) }
         };
@@ -132,7 +138,7 @@ impl Base {
             Self::Sine { amplitude_rad, frequency_hz, ramp_s } => {
                 finite("amplitude_rad", *amplitude_rad)?;
                 positive("frequency_hz", *frequency_hz, "Hz")?;
-                stillrate::error::not_negative("ramp_s", *ramp_s, "s")?;
+                not_negative("ramp_s", *ramp_s, "s")?;
             }
             Self::Constant { angle_rad } => finite("angle_rad", *angle_rad)?,
             Self::Recorded(_) => {}
@@ -140,7 +146,7 @@ impl Base {
         Ok(())
     }
 
-    /// Angle and rate at time `t`.
+    /// Angle (rad) and rate (rad/s) at time `t`, s.
     #[must_use]
     pub fn at(&self, t: f64) -> (f64, f64) {
         match self {
@@ -163,8 +169,7 @@ impl Base {
     }
 
     /// Largest angle and rate, for the warnings about range and reach.
-    #[must_use]
-    pub fn extremes(&self) -> (f64, f64) {
+    pub(crate) fn extremes(&self) -> (f64, f64) {
         match self {
             Self::Tilt { amplitude_rad, duration_s } => {
                 (amplitude_rad.magnitude(), 0.5 * PI * amplitude_rad.magnitude() / duration_s)
@@ -181,26 +186,23 @@ impl Base {
     }
 
     /// Fills `table` with (angle, rate) at `start_s`, `start_s + half_s`, `start_s + 2 half_s`, ...
-    pub fn fill(&self, start_s: f64, half_s: f64, table: &mut [(f64, f64)]) {
-        let Self::Sine { amplitude_rad, frequency_hz, ramp_s } = self else {
-            for (j, entry) in table.iter_mut().enumerate() {
-                *entry = self.at(start_s + half_s * j as f64);
+    pub(crate) fn fill(&self, start_s: f64, half_s: f64, table: &mut [(f64, f64)]) {
+        match self {
+            Self::Sine { amplitude_rad, frequency_hz, ramp_s } if start_s >= *ramp_s => {
+                // Turning by one half step at a time; anew every control period, so nothing accumulates.
+                let w = TAU * frequency_hz;
+                let (mut sine, mut cosine) = (w * start_s).sine_cosine();
+                let (step_sine, step_cosine) = (w * half_s).sine_cosine();
+                for entry in table.iter_mut() {
+                    *entry = (amplitude_rad * sine, amplitude_rad * w * cosine);
+                    (sine, cosine) = (sine * step_cosine + cosine * step_sine, cosine * step_cosine - sine * step_sine);
+                }
             }
-            return;
-        };
-        if start_s < *ramp_s {
-            for (j, entry) in table.iter_mut().enumerate() {
-                *entry = self.at(start_s + half_s * j as f64);
+            _ => {
+                for (j, entry) in table.iter_mut().enumerate() {
+                    *entry = self.at(start_s + half_s * j as f64);
+                }
             }
-            return;
-        }
-        // Turning by one half step at a time; anew every control period, so nothing accumulates.
-        let w = TAU * frequency_hz;
-        let (mut sine, mut cosine) = (w * start_s).sine_cosine();
-        let (step_sine, step_cosine) = (w * half_s).sine_cosine();
-        for entry in table.iter_mut() {
-            *entry = (amplitude_rad * sine, amplitude_rad * w * cosine);
-            (sine, cosine) = (sine * step_cosine + cosine * step_sine, cosine * step_cosine - sine * step_sine);
         }
     }
 }

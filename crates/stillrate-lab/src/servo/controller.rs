@@ -12,8 +12,10 @@ use stillrate::error::{ConfigError, not_negative, positive};
 ///
 /// # Example
 /// ```
-/// use stillrate_lab::servo::controller::Controller;
-/// assert!(Controller { kvi_per_s: f64::NAN, ..Controller::default() }.check().is_err());
+/// use stillrate_lab::servo::{controller::Controller, plant::Plant, platform::Platform};
+/// let gains = Controller { kvi_per_s: -1.0, ..Controller::default() };
+/// let refused = Platform::new(Plant::platform_30kg(), gains, 50.0, 1e-3, 5e-3).unwrap_err();
+/// assert!(refused.to_string().contains("kvi_per_s = -1"));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controller {
@@ -50,11 +52,11 @@ impl Default for Controller {
 
 /// What the controller remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ControllerState {
+pub(crate) struct ControllerState {
     /// Estimated angle, rad.
-    pub angle: f64,
-    /// Integral I, rad/s.
-    pub integral: f64,
+    pub(crate) angle: f64,
+    /// I, rad/s.
+    integral: f64,
     last_raw: f64,
     last_filtered: f64,
     started: bool,
@@ -62,18 +64,14 @@ pub struct ControllerState {
 
 impl ControllerState {
     /// At the start: the angle is known, everything else is 0.
-    #[must_use]
-    pub fn at_angle(angle: f64) -> Self {
+    pub(crate) fn at_angle(angle: f64) -> Self {
         Self { angle, ..Self::default() }
     }
 }
 
 impl Controller {
     /// Checks gains and limits.
-    ///
-    /// # Errors
-    /// [`ConfigError`] naming the field.
-    pub fn check(&self) -> Result<(), ConfigError> {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
         not_negative("kappa", self.kappa, "")?;
         not_negative("ko_per_s", self.ko_per_s, "1/s")?;
         not_negative("kvi_per_s", self.kvi_per_s, "1/s")?;
@@ -84,14 +82,13 @@ impl Controller {
     }
 
     /// The same with proportional and derivative gain times `factor`: the gain margin's test.
-    #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Self { kappa: self.kappa * factor, kd_s: self.kd_s * factor, ..self }
     }
 
-    /// One tick: raw and filtered rate in, voltage out. `inclination` is used where an inclinometer is configured.
+    /// One tick: raw and filtered rate (rad/s) in, voltage (V) out. `inclination` (rad) is used where an inclinometer is configured.
     #[inline]
-    pub fn tick(
+    pub(crate) fn tick(
         &self,
         state: &mut ControllerState,
         raw: f64,
@@ -127,11 +124,11 @@ impl Controller {
 
 /// What the controller knows of the drive, and its task.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive {
+pub(crate) struct Drive {
     /// Ke n: volts for 1 rad/s.
-    pub volts_per_rate: f64,
+    pub(crate) volts_per_rate: f64,
     /// Voltage limit.
-    pub voltage_max_v: f64,
+    pub(crate) voltage_max_v: f64,
     /// Angle to hold, rad.
-    pub angle_reference_rad: f64,
+    pub(crate) angle_reference_rad: f64,
 }

@@ -8,8 +8,7 @@
 
 use stillrate::{ConfigError, Real};
 
-use super::search::Score;
-use super::study::LEVEL_FROM_DEG;
+use super::score::Score;
 use super::trial::{QUIET_PERCENT, Trial};
 
 /// Gain factor and added delay (s) that must stay quiet on every seed of the check: 5 and 10 % beyond what is demanded.
@@ -53,7 +52,7 @@ impl Demands {
             before: trial.jitter_undisturbed(seed)?,
             quiet: trial.jitter_after_tilt(seed, GAIN, 0.0)? <= QUIET
                 && trial.jitter_after_tilt(seed, 1.0, DELAY_S)? <= QUIET,
-            own_level_deg: trial.levelling(seed, LEVEL_FROM_DEG)?.own_deg,
+            own_level_deg: trial.levelling(seed)?.own_deg,
         })
     }
 
@@ -101,7 +100,7 @@ pub(super) fn searched(
         }
     }
     for seed in seeds.iter().take(LEVEL_SEEDS) {
-        score.violation += over(trial.levelling(*seed, LEVEL_FROM_DEG)?.own_deg, AIM_LEVEL_DEG);
+        score.violation += over(trial.levelling(*seed)?.own_deg, AIM_LEVEL_DEG);
         if score.violation > best.violation {
             return Ok(score);
         }

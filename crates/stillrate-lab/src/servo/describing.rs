@@ -11,6 +11,13 @@ use super::loop_filter::LoopFilter;
 use crate::random::Random;
 
 /// Gain and phase at one amplitude.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::{describing::describe, loop_filter::Unfiltered};
+/// let through = describe(&mut Unfiltered, 50.0, 3.0, 2.0, 0.107, 30, 1);
+/// assert!((through.gain - 1.0).abs() < 1e-12 && through.phase_deg.abs() < 1e-9); // the input's own noise cancels
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
     /// Amplitude of the rate, deg/s.
@@ -21,8 +28,8 @@ pub struct Harmonic {
     pub phase_deg: f64,
 }
 
-/// First harmonic of the filter's answer to `amplitude sin(2 pi f t)` plus white noise, over `periods` periods after 10 s of
-/// settling.
+/// First harmonic of the filter's answer to `amplitude sin(2 pi f t)` plus white noise (deg/s, standard deviation of a sample), over `periods`
+/// periods after 10 s of settling.
 ///
 /// # Example
 /// ```

@@ -3,7 +3,7 @@
 //! PT1 by exact discretisation, w += (1 - e^(-2 pi fc T)) (y - w), w_0 = y_0; second-order Butterworth by the bilinear
 //! transform with prewarping (Q = 1/sqrt 2), started in the steady state of y_0; the scalar Kalman filter x <- phi x with
 //! noise ratio q/R, P0/R = 1, which predicts and updates from the first sample on and starts at y_0 (phi = 1) or 0. They have
-//! exact state-space forms ([`Discrete::matrices`]), which the sampled-loop analysis needs.
+//! exact state-space forms, which the sampled-loop analysis needs.
 
 use core::f64::consts::{PI, TAU};
 
@@ -18,8 +18,16 @@ use super::loop_filter::LoopFilter;
 /// ```
 /// use stillrate_lab::servo::discrete::Discrete;
 /// use stillrate_lab::servo::loop_filter::LoopFilter;
-/// let mut filter = Discrete::butterworth(50.0, 8.0).unwrap();
-/// assert!((filter.step(2.0) - 2.0).abs() < 1e-12); // starts in its steady state
+/// let mut low_pass = Discrete::butterworth(50.0, 8.0).unwrap();
+/// assert!((low_pass.step(2.0) - 2.0).abs() < 1e-12); // starts in its steady state
+/// // A Kalman filter of noise ratio g^2 / (1 - g) settles to the PT1 of gain g.
+/// let gain = 1.0 - (-core::f64::consts::TAU * 5.3 / 50.0).exp();
+/// let mut lag = Discrete::pt1(50.0, 5.3).unwrap();
+/// let mut kalman = Discrete::kalman(1.0, gain * gain / (1.0 - gain)).unwrap();
+/// for _ in 0..100 {
+///     (lag.step(0.0), kalman.step(0.0));
+/// }
+/// assert!((lag.step(1.0) - gain).abs() < 1e-12 && (kalman.step(1.0) - gain).abs() < 1e-12);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Discrete {
@@ -53,7 +61,7 @@ pub enum Discrete {
 }
 
 impl Discrete {
-    /// First order with cut-off `cutoff_hz`.
+    /// First order with cut-off `cutoff_hz`, for samples at `sample_rate_hz`.
     ///
     /// # Errors
     /// Rates that are not positive.
@@ -82,7 +90,7 @@ impl Discrete {
     /// Scalar Kalman filter with transition `phi` and noise ratio `ratio` = q/R.
     ///
     /// # Errors
-    /// `phi` outside 0..=1 or a ratio that is negative.
+    /// A `phi` that is not above 0 and at most 1, or a ratio that is negative.
     pub fn kalman(phi: f64, ratio: f64) -> Result<Self, ConfigError> {
         if !(phi > 0.0 && phi <= 1.0) {
             return Err(ConfigError::new("phi", phi, "", "above 0 and at most 1"));
@@ -91,8 +99,7 @@ impl Discrete {
     }
 
     /// The stationary filter as x <- A x + b y, w = c x + d y: (A row-major, b, c, d), of order 0, 1 or 2.
-    #[must_use]
-    pub fn matrices(&self) -> (Vec<f64>, Vec<f64>, Vec<f64>, f64) {
+    pub(crate) fn matrices(&self) -> (Vec<f64>, Vec<f64>, Vec<f64>, f64) {
         let first = |keep: f64, gain: f64| (vec![keep], vec![gain], vec![keep], gain);
         match *self {
             Self::None => (vec![], vec![], vec![], 1.0),
@@ -149,6 +156,28 @@ impl LoopFilter for Discrete {
                 let x = x + gain * (y - x);
                 *state = Some((x, (1.0 - gain) * ahead));
                 x
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_discrete_filter_has_the_matrices_it_runs_by() {
+        for filter in [Discrete::pt1(50.0, 3.0).unwrap(), Discrete::butterworth(50.0, 8.0).unwrap()] {
+            let (a, b, c, d) = filter.matrices();
+            let n = b.len();
+            let mut running = filter;
+            running.step(0.0);
+            let mut x = vec![0.0; n];
+            for k in 0..50 {
+                let y = f64::from(k % 7) - 3.0;
+                let w = c.iter().zip(&x).map(|(c, x)| c * x).sum::<f64>() + d * y;
+                assert!((running.step(y) - w).abs() < 1e-12);
+                x = (0..n).map(|i| (0..n).map(|j| a[i * n + j] * x[j]).sum::<f64>() + b[i] * y).collect();
             }
         }
     }

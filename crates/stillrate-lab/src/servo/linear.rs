@@ -6,10 +6,11 @@
 //! voltages still on their way; the filter's state.
 
 use nalgebra::{DMatrix, DVector};
+use stillrate::Real;
 
 use super::discrete::Discrete;
+use super::drift::propagate;
 use super::drift::sampled::{covariance_after, spectral_radius};
-use super::drift::van_loan::propagate;
 use super::plant::Plant;
 use super::platform::Platform;
 
@@ -28,18 +29,23 @@ const CONTROL: usize = 4;
 /// let axis = Platform::new(Plant::platform_30kg(), gains, 50.0, 1e-3, 5e-3).unwrap();
 /// assert!(LinearLoop::new(&axis, &Discrete::None).spectral_radius() > 1.0); // a 37 Hz mode, aliased
 /// let filter = Discrete::pt1(50.0, 5.3).unwrap();
-/// assert!(LinearLoop::new(&axis, &filter).spectral_radius() < 1.0 + 1e-9);
+/// let quiet = LinearLoop::new(&axis, &filter);
+/// assert!(quiet.spectral_radius() < 1.0 + 1e-9);
+/// // Once settled the angle walks as the gyro's integral does: sigma sqrt(ticks) T.
+/// let sigma = 0.1074_f64.to_radians();
+/// let (angle, _volts) = quiet.deviations_after(sigma, 3000);
+/// assert!((angle / (sigma * 3000_f64.sqrt() * 0.02) - 1.0).abs() < 0.01);
 /// ```
 #[derive(Clone, Debug)]
 pub struct LinearLoop {
     /// F.
-    pub transition: DMatrix<f64>,
+    transition: DMatrix<f64>,
     /// g.
-    pub noise_gain: DVector<f64>,
+    noise_gain: DVector<f64>,
     /// d.
-    pub voltage: DVector<f64>,
+    voltage: DVector<f64>,
     /// e.
-    pub voltage_direct: f64,
+    voltage_direct: f64,
 }
 
 impl LinearLoop {
@@ -122,7 +128,6 @@ impl LinearLoop {
     /// Standard deviations of angle (rad) and voltage `ticks` after a start at rest, for white samples of deviation `sigma` rad/s.
     #[must_use]
     pub fn deviations_after(&self, sigma: f64, ticks: u64) -> (f64, f64) {
-        use stillrate::Real;
         let n = self.transition.nrows();
         let q = &self.noise_gain * self.noise_gain.transpose() * (sigma * sigma);
         let p = covariance_after(&self.transition, &q, &DMatrix::zeros(n, n), ticks);
@@ -165,4 +170,36 @@ fn held(a: &DMatrix<f64>, b: &DVector<f64>, time: f64) -> (DMatrix<f64>, DVector
     whole.view_mut((0, PLANT), (PLANT, 1)).copy_from(b);
     let (phi, _) = propagate(&whole, &DMatrix::zeros(PLANT + 1, PLANT + 1), time);
     (phi.view((0, 0), (PLANT, PLANT)).into_owned(), phi.view((0, PLANT), (PLANT, 1)).column(0).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::base::Base;
+    use super::super::controller::Controller;
+    use super::super::platform::GyroErrors;
+    use super::*;
+
+    #[test]
+    fn the_linear_loop_steps_like_the_simulation() {
+        for (filter, delay) in [
+            (Discrete::None, 5e-3),
+            (Discrete::butterworth(50.0, 8.0).unwrap(), 23e-3),
+            (Discrete::pt1(50.0, 5.3).unwrap(), 40e-3),
+        ] {
+            let axis =
+                Platform::new(Plant::platform_30kg().linear(), Controller::default(), 50.0, 1e-4, delay).unwrap();
+            let linear = LinearLoop::new(&axis, &filter);
+            // One noise sample at the first tick but one (the first starts the filter), small enough to stay linear.
+            let gyro = GyroErrors { samples_rad_s: vec![0.0, 1e-6], ..GyroErrors::default() };
+            let still = Base::Constant { angle_rad: 0.0 };
+            let record = axis.run(&mut filter.clone(), &still, &gyro, 0.0, 1.0).unwrap();
+            let mut x = linear.noise_gain.clone() * 1e-6;
+            for row in &record.rows[2..] {
+                assert!((x[0] - row[0]).abs() < 2e-9 * 1e-2, "{} {}", x[0], row[0]);
+                let u = linear.voltage.dot(&x);
+                assert!((u - row[1]).abs() < 1e-9, "{u} {}", row[1]);
+                x = &linear.transition * x;
+            }
+        }
+    }
 }

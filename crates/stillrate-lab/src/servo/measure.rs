@@ -6,13 +6,21 @@
 
 use stillrate::Real;
 
+use super::DEGREES;
 use super::platform::Record;
 
-const DEGREES: f64 = 180.0 / core::f64::consts::PI;
 /// Length of the moving mean that is taken off the voltage.
 const MEAN_S: f64 = 0.4;
 
 /// A root mean square and a largest magnitude, degrees.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::{measure::{Residual, residual}, platform::Record};
+/// // A platform that was lost has no residual, however quiet it was before.
+/// let lost = Record { rows: vec![[0.0; 8]; 400], lost_at: Some(399), ..Record::default() };
+/// assert_eq!(residual(&lost, 3.0, 0.02), Residual { rms_deg: f64::INFINITY, max_deg: f64::INFINITY });
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Root mean square, deg.
@@ -21,13 +29,23 @@ pub struct Residual {
     pub max_deg: f64,
 }
 
-/// Angle error of the ticks from `from_s` on; infinite for a platform that was lost.
+/// Angle error of the ticks (`period_s` apart) from `from_s` on; infinite for a platform that was lost, 0 where there are none.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::{measure::residual, platform::Record};
+/// let swing = |k: u32| 0.1 * f64::from(k % 50) / 50.0 - 0.05; // a sawtooth of 0.05 rad
+/// let record = Record { rows: (0..400).map(|k| [swing(k), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect(), ..Record::default() };
+/// let found = residual(&record, 3.0, 0.02);
+/// assert!((found.max_deg - 0.05_f64.to_degrees()).abs() < 1e-12);
+/// assert!((found.rms_deg / found.max_deg - 3_f64.sqrt().recip()).abs() < 1e-3);
+/// ```
 #[must_use]
 pub fn residual(record: &Record, from_s: f64, period_s: f64) -> Residual {
     if record.lost_at.is_some() {
         return Residual { rms_deg: f64::INFINITY, max_deg: f64::INFINITY };
     }
-    let angles = || record.rows.iter().skip((from_s / period_s + 0.5) as usize).map(|row| row[0] * DEGREES);
+    let angles = || record.rows.iter().skip(ticks(from_s, period_s)).map(|row| row[0] * DEGREES);
     let count = angles().count().max(1) as f64;
     Residual {
         rms_deg: (angles().map(|a| a * a).sum::<f64>() / count).root(),
@@ -36,8 +54,7 @@ pub fn residual(record: &Record, from_s: f64, period_s: f64) -> Residual {
 }
 
 /// Rest jitter between two times, percent of the supply voltage; infinite for a platform that was lost.
-#[must_use]
-pub fn rest_jitter(record: &Record, from_s: f64, to_s: f64, period_s: f64, voltage_max_v: f64) -> f64 {
+pub(crate) fn rest_jitter(record: &Record, from_s: f64, to_s: f64, period_s: f64, voltage_max_v: f64) -> f64 {
     if record.lost_at.is_some() {
         return f64::INFINITY;
     }
@@ -46,8 +63,7 @@ pub fn rest_jitter(record: &Record, from_s: f64, to_s: f64, period_s: f64, volta
 }
 
 /// Motion jitter from two records that differ in their noise only, percent of the supply voltage.
-#[must_use]
-pub fn motion_jitter(a: &Record, b: &Record, from_s: f64, to_s: f64, period_s: f64, voltage_max_v: f64) -> f64 {
+pub(crate) fn motion_jitter(a: &Record, b: &Record, from_s: f64, to_s: f64, period_s: f64, voltage_max_v: f64) -> f64 {
     if a.lost_at.is_some() || b.lost_at.is_some() {
         return f64::INFINITY;
     }
@@ -56,37 +72,34 @@ pub fn motion_jitter(a: &Record, b: &Record, from_s: f64, to_s: f64, period_s: f
 }
 
 /// Root mean square of the voltage between two times, percent of the supply.
-#[must_use]
-pub fn voltage_rms(record: &Record, from_s: f64, period_s: f64, voltage_max_v: f64) -> f64 {
-    let rows = record.rows.iter().skip((from_s / period_s + 0.5) as usize);
+pub(crate) fn voltage_rms(record: &Record, from_s: f64, period_s: f64, voltage_max_v: f64) -> f64 {
+    let rows = record.rows.iter().skip(ticks(from_s, period_s));
     let (sum, count) = rows.fold((0.0, 0.0), |(s, n), row| (s + row[1] * row[1], n + 1.0));
     100.0 / voltage_max_v * (sum / f64::max(count, 1.0)).root()
 }
 
-/// Mean |theta| over the last `window_s`, deg.
-#[must_use]
-pub fn final_error_deg(record: &Record, window_s: f64, period_s: f64) -> f64 {
-    final_error_against(record, &[], window_s, period_s)
-}
-
 /// Mean |theta + drift| over the last `window_s`, deg, for the angle that a gyro's errors add up to at every tick (0 where the list ends).
-#[must_use]
-pub fn final_error_against(record: &Record, drift_rad: &[f64], window_s: f64, period_s: f64) -> f64 {
+pub(crate) fn final_error_deg(record: &Record, drift_rad: &[f64], window_s: f64, period_s: f64) -> f64 {
     if record.lost_at.is_some() {
         return f64::INFINITY;
     }
-    let keep = ((window_s / period_s + 0.5) as usize).max(1);
+    let keep = ticks(window_s, period_s).max(1);
     let from = record.rows.len().saturating_sub(keep);
     let drift = drift_rad.iter().skip(from).chain(core::iter::repeat(&0.0));
     let tail = &record.rows[from..];
     DEGREES * tail.iter().zip(drift).map(|(row, d)| (row[0] + d).magnitude()).sum::<f64>() / tail.len().max(1) as f64
 }
 
+/// How many control periods a time is.
+fn ticks(time_s: f64, period_s: f64) -> usize {
+    (time_s / period_s + 0.5) as usize
+}
+
 /// Root mean square of a signal less its centred moving mean, over the ticks of a window for which the mean is whole.
 fn without_mean(signal: &[f64], from_s: f64, to_s: f64, period_s: f64) -> f64 {
-    let half = (0.5 * MEAN_S / period_s + 0.5) as usize;
-    let first = ((from_s / period_s + 0.5) as usize).max(half);
-    let last = ((to_s / period_s + 0.5) as usize).min(signal.len().saturating_sub(half));
+    let half = ticks(0.5 * MEAN_S, period_s);
+    let first = ticks(from_s, period_s).max(half);
+    let last = ticks(to_s, period_s).min(signal.len().saturating_sub(half));
     let (mut sum, mut count) = (0.0, 0.0);
     for k in first..last {
         let around = &signal[k - half..=(k + half).min(signal.len() - 1)];

@@ -6,13 +6,14 @@
 
 use stillrate::error::{ConfigError, not_negative, positive};
 
+use super::DEGREES;
 use super::base::Base;
 use super::controller::{Controller, ControllerState, Drive};
+use super::kernel::Kernel;
 use super::loop_filter::LoopFilter;
 use super::plant::{Plant, STATES, State};
 use crate::random::Random;
 
-const DEGREES: f64 = 180.0 / core::f64::consts::PI;
 /// A platform that has turned this far is lost.
 const LOST_RAD: f64 = 10.0;
 /// Control periods that the delay line holds.
@@ -24,6 +25,18 @@ const MOST_STEPS: f64 = 10_000.0;
 pub const COLUMNS: [&str; 8] = ["theta", "u", "w", "y", "theta_hat", "alpha", "phi", "nu"];
 
 /// What the gyro adds: y = (1 + scale_error) gyro + bias + noise, rounded to `lsb`.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::{base::Base, controller::Controller, loop_filter::Unfiltered, plant::Plant};
+/// use stillrate_lab::servo::platform::{GyroErrors, Platform};
+/// let axis = Platform::new(Plant::platform_30kg(), Controller::default(), 50.0, 1e-3, 5e-3)?;
+/// let biased = GyroErrors { bias_rad_s: 2e-3, ..GyroErrors::default() };
+/// let record = axis.run(&mut Unfiltered, &Base::Constant { angle_rad: 0.0 }, &biased, 0.0, 30.0)?;
+/// // The loop keeps the gyro's output at zero, so the platform turns away by the bias.
+/// assert!((record.last_state[0] + 30.0 * biased.bias_rad_s).abs() < 2e-3);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GyroErrors {
     /// Standard deviation of a white sample, rad/s.
@@ -50,7 +63,7 @@ pub struct GyroErrors {
 /// let base = Base::Sine { amplitude_rad: 0.1745, frequency_hz: 1.0, ramp_s: 1.0 };
 /// let record = axis.run(&mut Unfiltered, &base, &GyroErrors::default(), 0.0, 8.0)?;
 /// assert!(record.lost_at.is_none());
-/// assert_eq!(record.rows.len(), 400);
+/// assert_eq!(record.rows.len() as f64 * axis.period_s(), 8.0);
 /// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -70,6 +83,21 @@ pub struct Platform {
 }
 
 /// What happened, one row of [`COLUMNS`] a tick (SI, rad), taken before the tick's voltage takes effect.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::{base::Base, controller::Controller, loop_filter::Unfiltered, plant::Plant};
+/// use stillrate_lab::servo::platform::{COLUMNS, GyroErrors, Platform};
+/// let axis = Platform::new(Plant::platform_30kg(), Controller::default(), 50.0, 1e-3, 5e-3)?;
+/// let tilt = Base::Tilt { amplitude_rad: 0.2, duration_s: 0.5 };
+/// let record = axis.run(&mut Unfiltered, &tilt, &GyroErrors::default(), 0.0, 8.0)?;
+/// let last = |name: &str| record.rows[399][COLUMNS.iter().position(|column| *column == name).unwrap()];
+/// // The drive has turned back what the base tilted, and the platform stands upright.
+/// assert_eq!(last("phi"), 0.2);
+/// assert!(last("theta").abs() < 5e-3 && (last("alpha") + 0.2).abs() < 1e-2);
+/// assert_eq!((record.lost_at, record.out_of_stroke_at), (None, None));
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// The rows.
@@ -125,27 +153,14 @@ impl Platform {
     pub fn period_s(&self) -> f64 {
         self.steps as f64 * self.dt_s
     }
-    /// Control rate, Hz.
-    #[must_use]
-    pub fn sample_rate_hz(&self) -> f64 {
-        self.sample_rate_hz
-    }
-    /// Integration step, s.
-    #[must_use]
-    pub fn dt_s(&self) -> f64 {
-        self.dt_s
-    }
+
     /// Delay from gyro to voltage, s.
-    #[must_use]
-    pub fn delay_s(&self) -> f64 {
+    pub(crate) fn delay_s(&self) -> f64 {
         self.delay_steps as f64 * self.dt_s
     }
 
     /// The same with another controller and `more_s` of delay added: what a margin is measured with.
-    ///
-    /// # Errors
-    /// As [`Platform::new`].
-    pub fn with(&self, controller: Controller, more_s: f64) -> Result<Self, ConfigError> {
+    pub(crate) fn with(&self, controller: Controller, more_s: f64) -> Result<Self, ConfigError> {
         let changed = Self::new(self.plant, controller, self.sample_rate_hz, self.dt_s, self.delay_s() + more_s)?;
         Ok(Self { angle_reference_rad: self.angle_reference_rad, drive_range_rad: self.drive_range_rad, ..changed })
     }
@@ -170,7 +185,7 @@ impl Platform {
             voltage_max_v: self.plant.voltage_max_v,
             angle_reference_rad: self.angle_reference_rad,
         };
-        let kernel = self.plant.kernel();
+        let kernel = Kernel::new(&self.plant);
         filter.reset();
         let mut random = Random::new(gyro.seed, 0);
         let mut state: State = [0.0; STATES];
@@ -196,12 +211,11 @@ impl Platform {
             if record.out_of_stroke_at.is_none() && state[2].abs() > self.drive_range_rad {
                 record.out_of_stroke_at = Some(k);
             }
-            for j in 0..self.steps {
+            let delayed = |j: usize| {
                 let now = k * self.steps + j;
-                let u =
-                    if now < self.delay_steps { 0.0 } else { pending[(now - self.delay_steps) / self.steps % PENDING] };
-                kernel.step(&mut state, u, &[table[2 * j], table[2 * j + 1], table[2 * j + 2]], self.dt_s);
-            }
+                if now < self.delay_steps { 0.0 } else { pending[(now - self.delay_steps) / self.steps % PENDING] }
+            };
+            kernel.run(&mut state, delayed, &table, self.dt_s);
         }
         record.last_state = state;
         Ok(record)

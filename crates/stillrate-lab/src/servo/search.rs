@@ -7,38 +7,23 @@
 //! violations have no common weight. Every trial is evaluated against its own parent, so an evaluation may stop as soon as it cannot win.
 //! Libraries' optimisers draw on the platform's random numbers and libm, which this project's results may not depend on.
 
-use core::cmp::Ordering;
-use core::f64::consts::PI;
-
 use rayon::prelude::*;
 use stillrate::Real;
 
+use super::score::{Score, Scored, order};
+use super::swarm::{FEWEST, Swarm};
 use crate::random::{Generator, Random};
 
-/// How good a point is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Score {
-    /// Sum of constraint violations, 0 for a feasible point.
-    pub violation: f64,
-    /// Value to minimise.
-    pub value: f64,
-}
-
-impl Score {
-    /// Worse than anything.
-    pub const WORST: Self = Self { violation: f64::INFINITY, value: f64::INFINITY };
-
-    /// Deb's comparison; NaN never wins.
-    #[must_use]
-    pub fn beats(self, other: Self) -> bool {
-        if self.violation != other.violation {
-            return self.violation < other.violation;
-        }
-        self.value < other.value
-    }
-}
-
 /// Range of one coordinate.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::search::Range;
+/// let gain = Range { low: 0.01, high: 100.0, logarithmic: true };
+/// assert!((gain.value(0.5) - 1.0).abs() < 1e-12); // halfway is the geometric mean
+/// assert!((gain.unit(10.0) - 0.75).abs() < 1e-12);
+/// assert_eq!(gain.unit(1e-9), 0.0); // what lies outside is drawn to the edge
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// Smallest value.
@@ -59,6 +44,7 @@ impl Range {
             self.low + unit * (self.high - self.low)
         }
     }
+
     /// From the range to 0..1.
     #[must_use]
     pub fn unit(&self, value: f64) -> f64 {
@@ -71,7 +57,22 @@ impl Range {
     }
 }
 
-/// How hard to search: one number, the same for everything that is to be compared.
+/// How hard to search: the same for everything that is to be compared.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::bench::Bench;
+/// use stillrate_lab::servo::family::standard;
+/// use stillrate_lab::servo::search::Effort;
+/// use stillrate_lab::servo::tuner::{Task, tune};
+/// let bench = Bench::paper(50.0);
+/// let effort = Effort { evaluations: 8, restarts: 2, seed: 5 };
+/// let task = Task { budget_percent: 0.2, effort, seeds: vec![1], checks: vec![], starts: vec![] };
+/// let mut seen = Vec::new();
+/// let none = &standard(50.0, bench.noise)[0];
+/// tune(&bench, none, &task, &mut |done| { seen.push(done); true }).unwrap();
+/// assert_eq!(seen, [4, 8]); // the restarts share the evaluations
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
     /// Evaluations in total.
@@ -82,43 +83,21 @@ pub struct Effort {
     pub seed: u64,
 }
 
-/// A point and its score.
-pub type Scored = (Vec<f64>, Score);
-
 /// What a search found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub(crate) struct Found {
     /// For every restart the points that beat their parent, best first. The spread of the first says how far to trust the search.
-    pub restarts: Vec<Vec<Scored>>,
+    pub(crate) restarts: Vec<Vec<Scored>>,
 }
 
-/// Points of the first generation, of the last, and what a run of few evaluations begins with.
+/// Points of the first generation and of the last.
 const FIRST: usize = 40;
 const LAST: usize = 6;
-const FEWEST: usize = 4;
-/// Length of the memory of F and CR, and what it starts with.
-const MEMORY: usize = 6;
-const FIRST_SCALE: f64 = 0.5;
-const FIRST_CROSSOVER: f64 = 0.8;
-/// Width of the draws around the memory.
-const WIDTH: f64 = 0.1;
-/// Share of the population that counts as best.
-const BEST: f64 = 0.15;
 
 /// Minimises `evaluate(point, score to beat)` from a Latin hypercube and `starts`.
 ///
 /// `progress(evaluations)` is called after every generation and may stop the search by returning false.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::servo::search::{Effort, Range, Score, minimise};
-/// let range = Range { low: -2.0, high: 2.0, logarithmic: false };
-/// let bowl = |x: &[f64], _: Score| Score { violation: (0.5 - x[0]).max(0.0), value: x[0] * x[0] + x[1] * x[1] };
-/// let effort = Effort { evaluations: 1200, restarts: 1, seed: 1 };
-/// let (point, _) = &minimise(&[range; 2], &[], effort, bowl, &mut |_| true).restarts[0][0];
-/// assert!((point[0] - 0.5).abs() < 1e-3 && point[1].abs() < 0.05);
-/// ```
-pub fn minimise(
+pub(crate) fn minimise(
     ranges: &[Range],
     starts: &[Vec<f64>],
     effort: Effort,
@@ -161,16 +140,6 @@ pub fn minimise(
     Found { restarts }
 }
 
-fn order(a: &Scored, b: &Scored) -> Ordering {
-    if a.1.beats(b.1) {
-        Ordering::Less
-    } else if b.1.beats(a.1) {
-        Ordering::Greater
-    } else {
-        Ordering::Equal
-    }
-}
-
 /// A Latin hypercube, its first points replaced by the starts.
 fn first_generation(ranges: &[Range], starts: &[Vec<f64>], count: usize, random: &mut Random) -> Vec<Vec<f64>> {
     let mut points = vec![vec![0.0; ranges.len()]; count];
@@ -189,111 +158,52 @@ fn first_generation(ranges: &[Range], starts: &[Vec<f64>], count: usize, random:
     points
 }
 
-/// A child with the scale and crossover it was made with.
-struct Child {
-    point: Vec<f64>,
-    scale: f64,
-    crossover: f64,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// A population, best first, in units of its box.
-struct Swarm {
-    points: Vec<Scored>,
-    beaten: Vec<Vec<f64>>,
-    scales: [f64; MEMORY],
-    crossovers: [f64; MEMORY],
-    slot: usize,
-}
-
-impl Swarm {
-    fn new(mut points: Vec<Scored>) -> Self {
-        points.sort_by(order);
-        Self {
-            points,
-            beaten: Vec::new(),
-            scales: [FIRST_SCALE; MEMORY],
-            crossovers: [FIRST_CROSSOVER; MEMORY],
-            slot: 0,
-        }
+    #[test]
+    fn a_search_ends_on_the_constraint_that_holds_it_back() {
+        let range = Range { low: -2.0, high: 2.0, logarithmic: false };
+        let bowl = |x: &[f64], _: Score| Score { violation: (0.5 - x[0]).max(0.0), value: x[0] * x[0] + x[1] * x[1] };
+        let effort = Effort { evaluations: 1200, restarts: 1, seed: 1 };
+        let (point, _) = &minimise(&[range; 2], &[], effort, bowl, &mut |_| true).restarts[0][0];
+        assert!((point[0] - 0.5).abs() < 1e-3 && point[1].abs() < 0.05, "{point:?}");
     }
 
-    /// One child a point, at most `most` of them.
-    fn trials(&self, most: usize, random: &mut Random) -> Vec<Child> {
-        let leaders = ((BEST * self.points.len() as f64).ceil() as u64).max(2);
-        (0..self.points.len().min(most)).map(|parent| self.child(parent, leaders, random)).collect()
-    }
-
-    /// Parent, pulled towards one of the leaders and along a difference; halfway to the wall where it would leave the box.
-    fn child(&self, parent: usize, leaders: u64, random: &mut Random) -> Child {
-        let memory = random.below(MEMORY as u64) as usize;
-        let crossover = (self.crossovers[memory] + WIDTH * random.normal()).limited(0.0, 1.0);
-        let scale = cauchy(self.scales[memory], random);
-        let leader = &self.points[random.below(leaders) as usize].0;
-        let count = self.points.len();
-        let mut pick = |among: usize, taken: [usize; 2]| loop {
-            let found = random.below(among as u64) as usize;
-            if !taken.contains(&found) {
-                break found;
-            }
+    #[test]
+    fn a_search_gives_the_same_numbers_on_any_number_of_threads() {
+        let bowl = |x: &[f64], _: Score| Score { violation: (0.3 - x[0]).max(0.0), value: x[0] * x[0] + x[1] * x[1] };
+        let range = Range { low: -2.0, high: 2.0, logarithmic: false };
+        let effort = Effort { evaluations: 500, restarts: 2, seed: 9 };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| minimise(&[range; 2], &[], effort, bowl, &mut |_| true))
         };
-        let a = pick(count, [parent; 2]);
-        let b = pick(count + self.beaten.len(), [parent, a]);
-        let (from, to) = (self.points.get(b).map_or_else(|| &self.beaten[b - count], |(p, _)| p), &self.points[a].0);
-        let x = &self.points[parent].0;
-        let certain = random.below(x.len().max(1) as u64) as usize;
-        let point = (0..x.len())
-            .map(|d| {
-                let moved = x[d] + scale * (leader[d] - x[d]) + scale * (to[d] - from[d]);
-                let inside = if moved < 0.0 {
-                    0.5 * x[d]
-                } else if moved > 1.0 {
-                    0.5 * (1.0 + x[d])
-                } else {
-                    moved
-                };
-                if random.uniform() < crossover || d == certain { inside } else { x[d] }
-            })
-            .collect();
-        Child { point, scale, crossover }
+        assert_eq!(on(1), on(3));
     }
 
-    /// Children that beat their parents replace them, and what made them is remembered.
-    fn select(&mut self, trials: Vec<Child>, scores: &[Score], mut won: impl FnMut(&[f64], Score)) {
-        let (mut scale, mut crossover) = ([0.0; 2], [0.0; 2]);
-        for ((child, score), parent) in trials.into_iter().zip(scores).zip(&mut self.points) {
-            if score.beats(parent.1) {
-                won(&child.point, *score);
-                for (sums, x) in [(&mut scale, child.scale), (&mut crossover, child.crossover)] {
-                    sums[0] += x;
-                    sums[1] += x * x;
-                }
-                self.beaten.push(core::mem::replace(parent, (child.point, *score)).0);
-            }
-        }
-        if scale[0] > 0.0 {
-            // Lehmer means: they favour large steps.
-            self.scales[self.slot] = scale[1] / scale[0];
-            self.crossovers[self.slot] = if crossover[0] > 0.0 { crossover[1] / crossover[0] } else { 0.0 };
-            self.slot = (self.slot + 1) % MEMORY;
-        }
-        self.points.sort_by(order);
+    #[test]
+    fn a_search_finds_the_lower_of_two_valleys() {
+        // A wide valley at x = -1 and a narrow, deeper one at x = 1.5.
+        let valleys = |x: &[f64], _: Score| {
+            let wide = (x[0] + 1.0).powi(2);
+            let narrow = 20.0 * (x[0] - 1.5).powi(2) - 0.5;
+            Score { violation: 0.0, value: wide.min(narrow) + x[1..].iter().map(|v| v * v).sum::<f64>() }
+        };
+        let range = Range { low: -3.0, high: 3.0, logarithmic: false };
+        let found =
+            minimise(&[range; 4], &[], Effort { evaluations: 4800, restarts: 4, seed: 2 }, valleys, &mut |_| true);
+        let best = found.restarts.iter().map(|ranked| ranked[0].1.value).fold(f64::INFINITY, f64::min);
+        assert!(best < -0.49, "{best}");
     }
 
-    fn shrink(&mut self, size: usize, random: &mut Random) {
-        self.points.truncate(size.max(FEWEST));
-        while self.beaten.len() > self.points.len() {
-            self.beaten.swap_remove(random.below(self.beaten.len() as u64) as usize);
-        }
-    }
-}
-
-/// A Cauchy deviate around `centre`, above 0 and at most 1.
-fn cauchy(centre: f64, random: &mut Random) -> f64 {
-    loop {
-        let (sine, cosine) = (PI * (random.uniform() - 0.5)).sine_cosine();
-        let scale = centre + WIDTH * sine / cosine;
-        if scale > 0.0 {
-            return scale.min(1.0);
-        }
+    #[test]
+    fn what_is_not_a_number_never_wins() {
+        let range = Range { low: 0.0, high: 1.0, logarithmic: false };
+        let holes = |x: &[f64], _: Score| Score { violation: 0.0, value: if x[0] < 0.5 { f64::NAN } else { x[0] } };
+        let effort = Effort { evaluations: 300, restarts: 1, seed: 3 };
+        let found = minimise(&[range], &[], effort, holes, &mut |_| true);
+        assert!((found.restarts[0][0].0[0] - 0.5).abs() < 1e-2);
     }
 }

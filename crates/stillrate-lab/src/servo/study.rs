@@ -1,19 +1,27 @@
 //! Validation of tuned designs on seeds that no tuner saw, and the tests around it.
 
 use rayon::prelude::*;
-use stillrate::{ConfigError, Real};
+use stillrate::Real;
 
+use super::bench::{Bench, Design};
 use super::family::Family;
 use super::measure;
-use super::trial::{Bench, Design, Levelling, Trial};
+use super::trial::{Levelling, RESIDUAL_FROM_S, Trial};
+use crate::random::Random;
 use crate::settings_map::SettingsError;
 
 /// Rest after a motion whose integral is judged.
 const SETTLE_S: f64 = 5.0;
-/// Where levelling starts, deg.
-pub(crate) const LEVEL_FROM_DEG: f64 = 20.0;
 
 /// Mean and extremes over seeds.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::study::Spread;
+/// assert_eq!(Spread::of(&[3.0, 1.0, 2.0]), Spread { mean: 2.0, low: 1.0, high: 3.0 });
+/// // One seed on which the platform was lost cannot hide among the others.
+/// assert_eq!(Spread::of(&[3.0, f64::INFINITY]).mean, f64::INFINITY);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
     /// Mean.
@@ -37,6 +45,20 @@ impl Spread {
 }
 
 /// A design's row in the table.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::bench::{Bench, Design};
+/// use stillrate_lab::servo::{controller::Controller, family::standard, study::validate};
+/// let bench = Bench::paper(50.0);
+/// let design = Design { controller: Controller::default(), parameters: vec![] };
+/// let row = validate(&bench, &standard(50.0, bench.noise)[0], &design, &[1, 2], 1).unwrap();
+/// // Half of the supply's voltage goes into a swing of 10 deg at 1 Hz, a twentieth of a percent into the gyro's noise at rest.
+/// assert!(row.voltage_rms_percent > 40.0 && row.jitter_percent < 0.1);
+/// // What is left after levelling is the gyro's bias and noise, hardly the loop's own.
+/// assert!(row.levelling_own_deg.mean < 0.5 * row.levelling_deg.mean);
+/// assert!(row.gain_margin >= 2.0 && row.delay_margin_ms >= 10.0);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Residual rms of the sine run over seeds, deg.
@@ -79,6 +101,20 @@ struct OneSeed {
 ///
 /// # Errors
 /// Settings that cannot be used.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::bench::{Bench, Design};
+/// use stillrate_lab::servo::{controller::Controller, family::standard, study::validate};
+/// let bench = Bench::paper(50.0);
+/// let [none, pt1, ..] = &standard(50.0, bench.noise)[..] else { unreachable!() };
+/// let measured = |family, parameters| {
+///     let design = Design { controller: Controller::default(), parameters };
+///     validate(&bench, family, &design, &[1, 2], 0).unwrap().rms_deg.mean
+/// };
+/// // With the controller as it is, a low-pass in the loop makes the platform no stiller.
+/// assert!(measured(pt1, vec![5.3]) > measured(none, vec![]));
+/// ```
 pub fn validate(
     bench: &Bench,
     family: &Family,
@@ -86,14 +122,14 @@ pub fn validate(
     seeds: &[u64],
     margins: usize,
 ) -> Result<Row, SettingsError> {
-    let period = 1.0 / bench.sample_rate_hz;
+    let period = bench.period();
     let measured: Vec<OneSeed> = seeds
         .par_iter()
         .enumerate()
         .map(|(i, seed)| -> Result<OneSeed, SettingsError> {
             let mut trial = Trial::new(bench, family, design)?;
             let sine = trial.sine(*seed)?;
-            let residual = measure::residual(&sine, super::trial::RESIDUAL_FROM_S, period);
+            let residual = measure::residual(&sine, RESIDUAL_FROM_S, period);
             let wanted = i < margins;
             Ok(OneSeed {
                 rms: residual.rms_deg,
@@ -102,8 +138,8 @@ pub fn validate(
                 before: trial.jitter_undisturbed(*seed)?,
                 gain: if wanted { trial.gain_margin(*seed)? } else { f64::INFINITY },
                 delay: if wanted { trial.delay_margin_ms(*seed)? } else { f64::INFINITY },
-                volts: measure::voltage_rms(&sine, super::trial::RESIDUAL_FROM_S, period, bench.plant.voltage_max_v),
-                level: trial.levelling(*seed, LEVEL_FROM_DEG)?,
+                volts: measure::voltage_rms(&sine, RESIDUAL_FROM_S, period, bench.plant.voltage_max_v),
+                level: trial.levelling(*seed)?,
             })
         })
         .collect::<Result<_, _>>()?;
@@ -133,6 +169,17 @@ pub fn validate(
 ///
 /// # Errors
 /// Settings that cannot be used.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::bench::{Bench, Design};
+/// use stillrate_lab::servo::{controller::Controller, family::standard, study::tilt_table};
+/// let bench = Bench::paper(50.0);
+/// let none = &standard(50.0, bench.noise)[0];
+/// let design = Design { controller: Controller::default(), parameters: vec![] };
+/// let peaks = tilt_table(&bench, none, &design, &[20.0, 10.0], 0.4, &[1]).unwrap();
+/// assert!((peaks[0] / peaks[1] - 2.0).abs() < 0.1); // nearly in proportion to the tilt: the loop's bandwidth, not friction
+/// ```
 pub fn tilt_table(
     bench: &Bench,
     family: &Family,
@@ -160,6 +207,21 @@ pub fn tilt_table(
 ///
 /// # Errors
 /// Settings that cannot be used.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::{bench::Bench, family::standard, study::integration_error_deg};
+/// let bench = Bench::paper(50.0);
+/// let families = standard(50.0, bench.noise);
+/// let added = |name: &str, parameters: &[f64]| {
+///     let family = families.iter().find(|f| f.name == name).unwrap();
+///     let slow = |t: f64| 0.2 * (core::f64::consts::TAU * 0.05 * t).sin();
+///     integration_error_deg(&bench, family, parameters, slow, 25.0, &[1, 2]).unwrap()
+/// };
+/// assert_eq!(added("none", &[]), 0.0);
+/// // A low-pass hands on all that it is given; the bank takes a motion below the noise for none.
+/// assert!(added("ms-imm-ikf+pt1", &[3.6]) > 10.0 * added("pt1", &[3.6]));
+/// ```
 pub fn integration_error_deg(
     bench: &Bench,
     family: &Family,
@@ -168,13 +230,13 @@ pub fn integration_error_deg(
     duration_s: f64,
     seeds: &[u64],
 ) -> Result<f64, SettingsError> {
-    let period = 1.0 / bench.sample_rate_hz;
+    let period = bench.period();
     let sigma = bench.noise.density_dps_sqrt_hz * bench.sample_rate_hz.root();
     let squares: Vec<f64> = seeds
         .par_iter()
         .map(|seed| -> Result<f64, SettingsError> {
             let mut filter = family.build(parameters)?;
-            let mut random = crate::random::Random::new(*seed, 1);
+            let mut random = Random::new(*seed, 1);
             let mut added = 0.0;
             for k in 0..((duration_s + SETTLE_S) * bench.sample_rate_hz) as usize {
                 let t = k as f64 * period;
@@ -186,49 +248,4 @@ pub fn integration_error_deg(
         })
         .collect::<Result<_, _>>()?;
     Ok((squares.iter().sum::<f64>() / squares.len().max(1) as f64).root())
-}
-
-/// What a user should know before running: a base that the drive cannot follow, an angle beyond the range, an unstable loop.
-///
-/// The number that shows it is in the text. `filter` is what
-/// [`linear_equivalent`](super::loop_filter::linear_equivalent) makes of the loop's filter.
-#[must_use]
-pub fn warnings(
-    axis: &super::platform::Platform,
-    base: &super::base::Base,
-    (filter, whole): &(super::discrete::Discrete, bool),
-    range_deg: f64,
-) -> Vec<String> {
-    const DEGREES: f64 = 180.0 / core::f64::consts::PI;
-    let mut found = Vec::new();
-    let (angle, rate) = base.extremes();
-    let has = axis.plant.rate_limit_rad_s();
-    if rate > has {
-        found.push(format!(
-            "unreachable: the base needs {:.1} deg/s, the drive has {:.1} deg/s (voltage_max_v / (motor_constant_v_s gear_ratio))",
-            rate * DEGREES,
-            has * DEGREES
-        ));
-    }
-    if angle * DEGREES > range_deg * (1.0 + 1e-9) {
-        found.push(format!("the base tilts to {:.1} deg, the range is {range_deg:.1} deg", angle * DEGREES));
-    }
-    let radius = super::linear::LinearLoop::new(axis, filter).spectral_radius();
-    // One eigenvalue is 1 by nature: an angle that comes from a gyro alone has no absolute reference.
-    if radius > 1.0 + 1e-6 {
-        found.push(if *whole {
-            format!("the loop is unstable: its linearised spectral radius is {radius:.4} (must be at most 1)")
-        } else {
-            format!("with its filter fully open the loop would be unstable (linearised spectral radius {radius:.4}): watch its rest after a tilt")
-        });
-    }
-    found
-}
-
-/// Checks that a bench can be built at all.
-///
-/// # Errors
-/// [`ConfigError`] naming the field.
-pub fn check(bench: &Bench) -> Result<(), ConfigError> {
-    bench.axis(super::controller::Controller::default(), 0.0).map(|_| ())
 }

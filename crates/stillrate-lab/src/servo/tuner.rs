@@ -1,23 +1,25 @@
 //! Tunes controller and filter together at a budget of rest jitter, with the same effort for every filter.
 //!
-//! Minimise the residual (rms, 10 deg at 1 Hz) subject to the demands of [`demands`](super::demands): rest jitter after a tilt within the
+//! Minimise the residual (rms, 10 deg at 1 Hz) subject to what is demanded: rest jitter after a tilt within the
 //! budget and not twice the undisturbed one, margins, levelling. Jitter counts after an excitation and margins are demanded because an
 //! adaptive filter tuned at undisturbed rest hides an unstable loop; levelling is demanded because a search trades it for residual.
-//! The search ([`minimise`]) sees few seeds and aims a little beyond the demands. What each restart kept is then gone through, best first, on
+//! The search (see [`search`](super::search)) sees few seeds and aims a little beyond the demands. What each restart kept is then gone through, best first, on
 //! other seeds, to the first design on which every demand holds; the best of these is the answer. Effort, seeds, gains'
 //! ranges and demands are the same for every filter, and no filter begins with designs unless the caller gives some.
 
 use rayon::prelude::*;
 
+use super::bench::{Bench, Design};
 use super::controller::Controller;
 use super::demands::{Demands, searched};
 use super::family::Family;
-use super::search::{Effort, Found, Range, Score, Scored, minimise};
-use super::trial::{Bench, Design, Trial};
+use super::score::{Score, Scored};
+use super::search::{Effort, Found, Range, minimise};
+use super::trial::Trial;
 use crate::settings_map::SettingsError;
 
 /// Search ranges of kappa, Ko, Kvi, kd. Ko stays above 0.3/s: below, 20 deg take longer than 20 s to level.
-pub const GAINS: [Range; 4] = [
+const GAINS: [Range; 4] = [
     Range { low: 0.02, high: 12.0, logarithmic: true },
     Range { low: 0.3, high: 5.0, logarithmic: true },
     Range { low: 0.1, high: 400.0, logarithmic: true },
@@ -31,6 +33,21 @@ const GROUP: usize = 8;
 const STRIDE: f64 = 1.002;
 
 /// What a tuning is asked for.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::bench::{Bench, Design};
+/// use stillrate_lab::servo::search::Effort;
+/// use stillrate_lab::servo::tuner::{Task, tune};
+/// use stillrate_lab::servo::{controller::Controller, family::standard};
+/// let bench = Bench::paper(50.0);
+/// let pt1 = &standard(50.0, bench.noise)[1];
+/// // A start must set whatever the family leaves open: here a cut-off.
+/// let start = Design { controller: Controller::default(), parameters: vec![] };
+/// let effort = Effort { evaluations: 8, restarts: 1, seed: 5 };
+/// let task = Task { budget_percent: 0.2, effort, seeds: vec![1], checks: vec![], starts: vec![start] };
+/// assert!(tune(&bench, pt1, &task, &mut |_| true).unwrap_err().to_string().contains("starts"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
     /// Rest jitter allowed, percent of the supply voltage.
@@ -46,6 +63,20 @@ pub struct Task {
 }
 
 /// A tuned controller and filter.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::search::Effort;
+/// use stillrate_lab::servo::tuner::{Task, tune};
+/// use stillrate_lab::servo::{bench::Bench, family::standard};
+/// let bench = Bench::paper(50.0);
+/// let effort = Effort { evaluations: 8, restarts: 2, seed: 5 };
+/// let task = Task { budget_percent: 1e-6, effort, seeds: vec![1], checks: vec![], starts: vec![] };
+/// let found = tune(&bench, &standard(50.0, bench.noise)[0], &task, &mut |_| true).unwrap();
+/// // Nothing rests so quietly: the least bad design comes back, marked as such.
+/// assert!(!found.feasible && found.objective_deg.is_infinite());
+/// assert_eq!(found.restarts_deg, [f64::INFINITY; 2]);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuned {
     /// The design.
@@ -64,6 +95,20 @@ pub struct Tuned {
 ///
 /// # Errors
 /// Settings of the family or the bench that cannot be used at all.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::bench::{Bench, Design};
+/// use stillrate_lab::servo::search::Effort;
+/// use stillrate_lab::servo::tuner::{Task, tune};
+/// use stillrate_lab::servo::{controller::Controller, family::standard};
+/// let bench = Bench::paper(50.0);
+/// let start = Design { controller: Controller::default(), parameters: vec![] };
+/// let effort = Effort { evaluations: 20, restarts: 1, seed: 5 };
+/// let task = Task { budget_percent: 0.2, effort, seeds: vec![1], checks: vec![2], starts: vec![start] };
+/// let found = tune(&bench, &standard(50.0, bench.noise)[0], &task, &mut |_| true).unwrap();
+/// assert!(found.feasible && found.objective_deg < 3.6); // deg: no worse than the start, which holds the budget
+/// ```
 pub fn tune(
     bench: &Bench,
     family: &Family,

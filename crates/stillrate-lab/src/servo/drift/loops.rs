@@ -5,10 +5,25 @@
 //! ([`FilterPosition`]). With the open rate loop KG = G_vc / (1 - G_vc) = num / (den - num), each
 //! place gives a command path C (rate demand to rate) and a noise path M (noise to rate), and H = -M / (s + K_apr C).
 
-use super::polynomial::divide;
-use super::{DriftError, TransferFunction, add, multiply};
+use stillrate::Real;
+
+use super::polynomial::{add, divide, multiply};
+use super::{DriftError, TransferFunction};
 
 /// Where the filter stands.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::drift::{DriftLoop, FilterPosition, TransferFunction, steady_state};
+/// let lag = |a: f64| TransferFunction::new(&[a], &[1.0, a]).unwrap();
+/// let variance = |position| {
+///     let servo = DriftLoop::rate_only(lag(20.0)).tracked(&[2.0], &[1.0]).unwrap();
+///     steady_state(&servo.filtered(lag(33.3), position).noise_path().unwrap()).unwrap()
+/// };
+/// // Without a filter 1/(2 k) = 0.25. Before the loop a filter takes a little away, within it its lag adds to the drift.
+/// assert!(variance(FilterPosition::BeforeLoop) < 0.25);
+/// assert!((variance(FilterPosition::ForwardPath) - 0.25 * 33.3 / (33.3 - 2.0)).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum FilterPosition {
     /// Before the loop, outside feedback: H is multiplied by F.
@@ -24,10 +39,16 @@ pub enum FilterPosition {
 ///
 /// # Example
 /// ```
-/// use stillrate_lab::servo::drift::{DriftLoop, TransferFunction, steady_state};
+/// use stillrate_lab::servo::drift::{DriftLoop, FilterPosition, TransferFunction, steady_state};
 /// let rate_loop = TransferFunction::new(&[20.0], &[1.0, 20.0]).unwrap();
-/// let h = DriftLoop::rate_only(rate_loop).tracked(&[2.0], &[1.0]).unwrap().noise_path().unwrap();
+/// let servo = DriftLoop::rate_only(rate_loop.clone()).tracked(&[2.0], &[1.0]).unwrap();
+/// let h = servo.noise_path().unwrap();
 /// assert!((steady_state(&h).unwrap() - 0.25).abs() < 1e-15); // 1/(2 k), whatever the rate loop's bandwidth
+/// assert_eq!(servo.bias_gain(), -0.5); // a bias of 1 deg/s leaves -1/k deg
+/// // A filter with a gain of 1 at rest changes nothing there, and neither does a dead time.
+/// let late = servo.filtered(rate_loop, FilterPosition::BeforeLoop).delayed(0.01).unwrap();
+/// assert!((late.power_gain().unwrap()(1e-6) - 0.25).abs() < 1e-9);
+/// assert!(late.noise_path().is_err()); // not rational any more
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriftLoop {
@@ -58,8 +79,8 @@ impl DriftLoop {
         Self { filter: Some((filter, position)), ..self }
     }
 
-    /// With a dead time in the rate loop's output. Such a loop is not rational: use [`DriftLoop::power_gain`] and
-    /// [`quadrature`](super::quadrature).
+    /// With a dead time in the rate loop's output. Such a loop is not rational: use
+    /// [`drift_in_band`](super::drift_in_band).
     ///
     /// # Errors
     /// A negative or non-finite time.
@@ -120,12 +141,11 @@ impl DriftLoop {
         self.filter.as_ref().map_or_else(|| vec![1.0], |(f, _)| f.denominator.clone())
     }
 
-    /// |H(j omega)|^2, dead time included.
+    /// |H(j omega)|^2 for omega in rad/s, dead time included.
     ///
     /// # Errors
     /// Bad polynomials.
     pub fn power_gain(&self) -> Result<impl Fn(f64) -> f64 + use<>, DriftError> {
-        use stillrate::Real;
         let (noise, command) = self.paths()?;
         let (tracking, dead) = (self.tracking.clone(), self.dead_time_s);
         Ok(move |omega: f64| {

@@ -1,11 +1,11 @@
 //! Steady-state variance by the Lyapunov equation A P + P A' + b b' = 0: a linear system for the upper triangle of P.
 //!
 //! The textbook way, kept as an independent check of [`steady_state`](super::steady_state). A is the companion matrix
-//! in scaled time (see [`StateSpace`](super::van_loan::StateSpace)), so that its entries stay near 1.
+//! in scaled time, so that its entries stay near 1.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::van_loan::StateSpace;
+use super::state_space::StateSpace;
 use super::{DriftError, TransferFunction, astrom};
 
 /// Variance of the output for white noise of two-sided density 1, from the Lyapunov equation.
@@ -23,14 +23,13 @@ pub fn steady_state(h: &TransferFunction) -> Result<f64, DriftError> {
     let h = h.without_common_zeros_at_origin();
     astrom::steady_state(&h)?;
     let system = StateSpace::of(&h)?;
-    let p = covariance(&system.a, &(&system.b * system.b.transpose()))
+    let p = covariance(&system.a, &system.input_noise())
         .ok_or(DriftError::BadPolynomial("the Lyapunov equation is singular: two poles are mirror images"))?;
     Ok(system.output_variance(&p))
 }
 
 /// Solves A P + P A' + W = 0 for symmetric P; `None` where the equation is singular.
-#[must_use]
-pub fn covariance(a: &DMatrix<f64>, w: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+fn covariance(a: &DMatrix<f64>, w: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = a.nrows();
     let slot = |i: usize, j: usize| {
         let (low, high) = (i.min(j), i.max(j));

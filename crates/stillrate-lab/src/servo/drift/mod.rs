@@ -11,19 +11,21 @@
 //! Lyapunov equation ([`lyapunov`]) and Van Loan's step with doubling ([`van_loan`]); quadrature ([`quadrature`]) where a band is
 //! cut hard or a dead time sits in the loop, and [`sampled`] for discrete loops.
 
-pub mod astrom;
+mod astrom;
 pub mod closed_forms;
 mod error;
-pub mod loops;
+mod loops;
 pub mod lyapunov;
 mod noise;
 mod polynomial;
 pub mod quadrature;
 pub mod sampled;
+mod state_space;
 pub mod van_loan;
 
 pub use astrom::steady_state;
 pub use error::DriftError;
 pub use loops::{DriftLoop, FilterPosition};
-pub use noise::{Drift, LoopNoise, drift};
-pub use polynomial::{TransferFunction, add, multiply};
+pub use noise::{Drift, LoopNoise, drift, drift_in_band};
+pub use polynomial::{TransferFunction, multiply};
+pub(crate) use van_loan::propagate;

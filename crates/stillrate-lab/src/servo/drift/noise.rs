@@ -8,8 +8,13 @@ use nalgebra::{DMatrix, DVector};
 use stillrate::Real;
 use stillrate::error::{not_negative, positive};
 
-use super::van_loan::{StateSpace, propagate};
-use super::{DriftError, TransferFunction, steady_state};
+use super::quadrature::band_variance;
+use super::state_space::StateSpace;
+use super::van_loan::propagate;
+use super::{DriftError, DriftLoop, TransferFunction, steady_state};
+
+/// Relative accuracy of a quadrature over a band.
+const BAND_ACCURACY: f64 = 1e-13;
 
 /// Noise at the input of a loop; any angle unit, deg at the user's edge.
 ///
@@ -18,8 +23,14 @@ use super::{DriftError, TransferFunction, steady_state};
 /// use stillrate_lab::servo::drift::LoopNoise;
 /// let gyro = LoopNoise::from_std_at_rate(0.1074, 50.0).unwrap();
 /// assert!((gyro.white_density - 0.015189).abs() < 1e-6); // deg/sqrt(s)
-/// let same = LoopNoise::from_arw_deg_sqrt_h(60.0 * 0.1074 / 50.0_f64.sqrt()).unwrap();
-/// assert!((same.white_density / gyro.white_density - 1.0).abs() < 1e-14);
+/// let same = |other: LoopNoise| (other.white_density / gyro.white_density - 1.0).abs() < 1e-14;
+/// let density = 0.1074 / 50_f64.sqrt();
+/// assert!(same(LoopNoise::from_density_two_sided(density).unwrap()));
+/// assert!(same(LoopNoise::from_density_one_sided(2_f64.sqrt() * density).unwrap()));
+/// assert!(same(LoopNoise::from_arw_deg_sqrt_h(60.0 * density).unwrap()));
+/// // Slow parts are added to it.
+/// let drifting = gyro.with_gauss_markov(0.01, 20.0).unwrap().with_rate_random_walk(1e-3).unwrap();
+/// assert_eq!((drifting.bias_time_s, drifting.rate_random_walk), (20.0, 1e-3));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoopNoise {
@@ -42,6 +53,7 @@ impl LoopNoise {
         let white_density = not_negative("density_two_sided", density, "")?;
         Ok(Self { white_density, ..Self::default() })
     }
+
     /// White noise from a one-sided density (most data sheets): sqrt(2) N.
     ///
     /// # Errors
@@ -49,6 +61,7 @@ impl LoopNoise {
     pub fn from_density_one_sided(density: f64) -> Result<Self, DriftError> {
         Self::from_density_two_sided(not_negative("density_one_sided", density, "")? / 2.0.root())
     }
+
     /// White noise from an angle random walk in unit/sqrt(h): 60 N.
     ///
     /// # Errors
@@ -56,6 +69,7 @@ impl LoopNoise {
     pub fn from_arw_deg_sqrt_h(arw: f64) -> Result<Self, DriftError> {
         Self::from_density_two_sided(not_negative("arw_deg_sqrt_h", arw, "deg/sqrt(h)")? / 60.0)
     }
+
     /// White samples of standard deviation `sigma` at `sample_rate_hz`: N = sigma / sqrt(rate).
     ///
     /// # Errors
@@ -64,7 +78,8 @@ impl LoopNoise {
         let rate = positive("sample_rate_hz", sample_rate_hz, "Hz")?;
         Self::from_density_two_sided(not_negative("sigma", sigma, "")? / rate.root())
     }
-    /// Adds a Gauss-Markov bias.
+
+    /// Adds a Gauss-Markov bias: standard deviation `sigma` (unit/s), time constant `time_s`.
     ///
     /// # Errors
     /// A negative sigma or a time constant that is not positive.
@@ -75,7 +90,8 @@ impl LoopNoise {
             ..self
         })
     }
-    /// Adds a random walk of rate.
+
+    /// Adds a random walk of rate, `k` in unit/s/sqrt(s).
     ///
     /// # Errors
     /// A negative or non-finite figure.
@@ -85,6 +101,19 @@ impl LoopNoise {
 }
 
 /// Variance of the angle, by cause.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::drift::{LoopNoise, TransferFunction, drift};
+/// let noise = LoopNoise::from_density_two_sided(0.015).unwrap().with_rate_random_walk(1e-3).unwrap();
+/// let integrator = TransferFunction::new(&[1.0], &[1.0, 0.0]).unwrap();
+/// let after = |t| drift(&integrator, &noise, Some(t)).unwrap();
+/// // White noise grows with the time, a walk of the rate with its cube; independent causes add up.
+/// let (minute, ten) = (after(60.0), after(600.0));
+/// assert!((ten.white / minute.white - 10.0).abs() < 1e-9);
+/// assert!((ten.rate_random_walk / minute.rate_random_walk - 1000.0).abs() < 1e-6);
+/// assert_eq!(ten.total(), ten.white + ten.rate_random_walk);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drift {
     /// From white noise.
@@ -148,9 +177,37 @@ pub fn drift(h: &TransferFunction, noise: &LoopNoise, time_s: Option<f64>) -> Re
     })
 }
 
+/// Variance of the angle from the part of the noise that lies in the band `low..high` rad/s, by quadrature: the way for a loop with dead
+/// time, which no transfer function describes.
+///
+/// # Errors
+/// Bad polynomials, or a band that is not `0 < low < high`, both finite.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::servo::drift::{DriftLoop, LoopNoise, TransferFunction, drift_in_band};
+/// let rate_loop = TransferFunction::new(&[20.0], &[1.0, 20.0]).unwrap();
+/// let servo = DriftLoop::rate_only(rate_loop).tracked(&[2.0], &[1.0]).unwrap();
+/// let noise = LoopNoise::from_density_two_sided(1.0).unwrap();
+/// let whole = drift_in_band(&servo, &noise, (1e-6, 1e6)).unwrap().total();
+/// assert!((whole - 0.25).abs() < 1e-5); // 1/(2 k), as over all frequencies
+/// let late = drift_in_band(&servo.delayed(0.3).unwrap(), &noise, (1e-6, 1e6)).unwrap().total();
+/// assert!(late > 1.2 * whole);
+/// ```
+pub fn drift_in_band(servo: &DriftLoop, noise: &LoopNoise, (low, high): (f64, f64)) -> Result<Drift, DriftError> {
+    let gain = servo.power_gain()?;
+    let band = |density: &dyn Fn(f64) -> f64| band_variance(|w| gain(w) * density(w), low, high, BAND_ACCURACY);
+    let (n, k, t) = (noise.white_density, noise.rate_random_walk, noise.bias_time_s);
+    let s2 = noise.bias_sigma * noise.bias_sigma;
+    Ok(Drift {
+        white: if n == 0.0 { 0.0 } else { n * n * band(&|_| 1.0)? },
+        gauss_markov: if s2 == 0.0 { 0.0 } else { band(&|w| 2.0 * s2 * t / (1.0 + w * w * t * t))? },
+        rate_random_walk: if k == 0.0 { 0.0 } else { k * k * band(&|w| 1.0 / (w * w))? },
+    })
+}
+
 fn white_after(system: &StateSpace, time_s: f64) -> f64 {
-    let w = &system.b * system.b.transpose();
-    let (_, p) = propagate(&system.a, &w, time_s * system.time_scale);
+    let (_, p) = propagate(&system.a, &system.input_noise(), time_s * system.time_scale);
     system.output_variance(&p)
 }
 

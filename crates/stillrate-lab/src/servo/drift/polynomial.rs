@@ -21,14 +21,7 @@ pub fn multiply(p: &[f64], q: &[f64]) -> Vec<f64> {
 }
 
 /// Sum of two polynomials.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::servo::drift::add;
-/// assert_eq!(add(&[1.0, 0.0, 0.0], &[2.0]), [1.0, 0.0, 2.0]);
-/// ```
-#[must_use]
-pub fn add(p: &[f64], q: &[f64]) -> Vec<f64> {
+pub(crate) fn add(p: &[f64], q: &[f64]) -> Vec<f64> {
     let n = p.len().max(q.len());
     let at = |r: &[f64], i: usize| if i + r.len() >= n { r[i + r.len() - n] } else { 0.0 };
     (0..n).map(|i| at(p, i) + at(q, i)).collect()
@@ -41,6 +34,7 @@ pub fn add(p: &[f64], q: &[f64]) -> Vec<f64> {
 /// use stillrate_lab::servo::drift::TransferFunction;
 /// let g = TransferFunction::new(&[20.0], &[1.0, 20.0]).unwrap();
 /// assert_eq!(g.power_gain(0.0), 1.0);
+/// assert!((g.power_gain(20.0) - 0.5).abs() < 1e-15); // omega in rad/s: half the power at the corner
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
@@ -71,20 +65,17 @@ impl TransferFunction {
     }
 
     /// Degree of the denominator.
-    #[must_use]
-    pub fn order(&self) -> usize {
+    pub(crate) fn order(&self) -> usize {
         self.denominator.len() - 1
     }
 
     /// Whether the numerator's degree is below the denominator's.
-    #[must_use]
-    pub fn strictly_proper(&self) -> bool {
+    fn strictly_proper(&self) -> bool {
         self.numerator.len() < self.denominator.len()
     }
 
     /// This times another.
-    #[must_use]
-    pub fn times(&self, other: &Self) -> Self {
+    pub(crate) fn times(&self, other: &Self) -> Self {
         Self {
             numerator: multiply(&self.numerator, &other.numerator),
             denominator: multiply(&self.denominator, &other.denominator),
@@ -92,8 +83,7 @@ impl TransferFunction {
     }
 
     /// The same ratio without common factors of s (a zero at 0 that meets a pole at 0).
-    #[must_use]
-    pub fn without_common_zeros_at_origin(&self) -> Self {
+    pub(crate) fn without_common_zeros_at_origin(&self) -> Self {
         let mut reduced = self.clone();
         while reduced.denominator.len() > 1
             && reduced.denominator.last() == Some(&0.0)
@@ -106,10 +96,7 @@ impl TransferFunction {
     }
 
     /// Refuses a numerator that is not of lower degree.
-    ///
-    /// # Errors
-    /// [`DriftError::InfiniteVariance`].
-    pub fn check_proper(&self) -> Result<(), DriftError> {
+    pub(crate) fn check_proper(&self) -> Result<(), DriftError> {
         if self.strictly_proper() {
             return Ok(());
         }
@@ -120,8 +107,7 @@ impl TransferFunction {
     }
 
     /// `H(j omega)` as (real, imaginary).
-    #[must_use]
-    pub fn response(&self, omega: f64) -> (f64, f64) {
+    pub(crate) fn response(&self, omega: f64) -> (f64, f64) {
         divide(at(&self.numerator, omega), at(&self.denominator, omega))
     }
 
@@ -142,4 +128,14 @@ pub(crate) fn at(p: &[f64], omega: f64) -> (f64, f64) {
 pub(crate) fn divide(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     let size = b.0 * b.0 + b.1 * b.1;
     ((a.0 * b.0 + a.1 * b.1) / size, (a.1 * b.0 - a.0 * b.1) / size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sum_joins_the_lowest_powers() {
+        assert_eq!(add(&[1.0, 0.0, 0.0], &[2.0]), [1.0, 0.0, 2.0]);
+    }
 }
