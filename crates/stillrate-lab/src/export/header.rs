@@ -161,6 +161,12 @@ void {name}_estimate(const {name}_state *state, stillrate_estimate_{suffix} *out
 }
 
 /// The text of `stillrate.h`.
+///
+/// # Example
+/// ```
+/// let header = stillrate_lab::export::c_header();
+/// assert!(header.contains("float stillrate_pt1_f32_step(const stillrate_pt1_f32_config *config,"));
+/// ```
 #[must_use]
 pub fn c_header() -> String {
     let mut text = String::from(
@@ -235,6 +241,13 @@ const FLAGS: [(&str, Flags, &str); 9] = [
 ];
 
 /// The list of functions that the static library is made of (`crates/stillrate-c/abi/src/functions.rs`).
+///
+/// # Example
+/// ```
+/// use stillrate_lab::{export::c_functions, runner::method_names};
+/// // A comment, then every method in both precisions.
+/// assert_eq!(c_functions().lines().count(), 1 + 2 * method_names().len());
+/// ```
 #[must_use]
 pub fn c_functions() -> String {
     let mut text = String::from("// Every method in both precisions. Generated with the header; do not edit.\n");
