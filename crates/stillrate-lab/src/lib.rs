@@ -23,6 +23,11 @@ pub mod simulate;
 pub mod statistics;
 pub mod tune;
 
+/// The Rust block of the README, run with the other examples.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
+
 /// The Rust blocks of the documentation, run with the other examples.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/howto/firmware.md")]
