@@ -61,8 +61,8 @@ pub struct Table<'a, T> {
 /// use stillrate_lab::settings_map::{SettingsMap, Value};
 /// let settings = SettingsMap::from([("sample_rate_hz".to_string(), Value::Number(50.0))]);
 /// let mut filter = build("pt1", &settings, 1, Precision::Double)?;
-/// let (counted, mut rates) = ([0.5_f32, 0.5], [0.0; 2]);
-/// let source = Source::Single(Table::contiguous(&counted, 1).unwrap());
+/// let (samples, mut rates) = ([0.5_f32, 0.5], [0.0; 2]);
+/// let source = Source::Single(Table::contiguous(&samples, 1).unwrap());
 /// assert!(filter.run(source, Timing::Regular, Sink::Double(&mut rates)));
 /// assert_eq!(rates, [0.5, 0.5]);
 /// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())

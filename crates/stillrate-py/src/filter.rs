@@ -6,7 +6,7 @@ use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
-use stillrate_lab::runner::{self, Precision, Runner, Sink, Source, Timing};
+use stillrate_lab::runner::{self, LastEstimate, Precision, Runner, Sink, Source, Timing};
 
 use crate::convert::{config_error, precision_from, samples_from, settings_from, settings_to};
 use crate::samples::{like, number_from, steps_from, trace_to_python, with_row};
@@ -210,15 +210,19 @@ impl Filter {
     #[getter]
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let class = py.import("stillrate.results")?.getattr("Estimate")?;
-        let one = |channel| -> PyResult<Bound<'py, PyAny>> {
-            let last = self.lock().estimate(channel);
+        let one = |last: LastEstimate| {
             let probability = PyTuple::new(py, last.probability)?;
             class.call1((last.rate, last.acceleration, last.variance, probability, last.frequency_hz, last.flags))
         };
         if self.channels == 1 {
-            return one(0);
+            return one(self.lock().estimate(0));
         }
-        Ok(PyTuple::new(py, (0..self.channels).map(one).collect::<PyResult<Vec<_>>>()?)?.into_any())
+        // All of one sample, whatever another thread does meanwhile.
+        let last: Vec<LastEstimate> = {
+            let runner = self.lock();
+            (0..self.channels).map(|channel| runner.estimate(channel)).collect()
+        };
+        Ok(PyTuple::new(py, last.into_iter().map(one).collect::<PyResult<Vec<_>>>()?)?.into_any())
     }
 
     /// Return to the state before the first sample.
