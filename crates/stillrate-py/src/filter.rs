@@ -42,7 +42,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// >>> flt.update(0.2) == restored.update(0.2) == twin.update(0.2)
 /// True
 /// >>> flt.reset()
-/// >>> flt.update(0.2), twin.estimate.rate < 0.2  # the first sample of all stands for itself
+/// >>> round(flt.update(0.2), 9), twin.estimate.rate < 0.2  # the first sample of all stands for itself
 /// (0.2, True)
 #[pyclass(frozen, module = "stillrate")]
 struct Filter {

@@ -17,10 +17,11 @@ const ALL_FLAGS: u32 = 2 * Flags::EDGE_HELD.0 - 1;
 /// use stillrate_lab::settings_map::{SettingsMap, Value};
 /// let settings = SettingsMap::from([("sample_rate_hz".to_string(), Value::Number(50.0))]);
 /// let mut filter = build("singer-imm-kf", &settings, 2, Precision::Double)?;
-/// let samples: Vec<f64> = (0..400).map(|k| if k % 2 == 0 { 0.0 } else { f64::from(k) }).collect(); // at rest, and speeding up
+/// // One axis at rest, one that turns to and fro.
+/// let samples: Vec<f64> = (0..200).flat_map(|k| [0.0, if k / 5 % 2 == 0 { 30.0 } else { -30.0 }]).collect();
 /// let trace = filter.trace(Source::Double(Table::contiguous(&samples, 2).unwrap()), Timing::Regular);
 /// assert_eq!((trace.rate.len(), trace.probability.len()), (200 * 2, 200 * trace.models * 2));
-/// // The last sample's probability of the quiet model, of either channel.
+/// // The probability of the quiet model at the last sample.
 /// let [at_rest, moving] = trace.probability[199 * trace.models * 2..][..2] else { panic!("two channels") };
 /// assert!(at_rest > 0.5 && moving < 0.5);
 /// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
