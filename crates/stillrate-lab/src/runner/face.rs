@@ -49,7 +49,8 @@ pub trait Runner: Send {
     /// One sample a channel, in place, in the unit of the settings (deg/s); `dt_s` is the time since the one before, the nominal period if
     /// `None`.
     fn update(&mut self, values: &mut [f64], dt_s: Option<f64>);
-    /// Filters a table; `sink` holds as many numbers as the table. Returns false, and nothing has changed, if shapes or precision do not fit.
+    /// Filters a table; `sink` holds as many numbers as the table. Returns false, and nothing has changed, if shapes or precision do
+    /// not fit.
     ///
     /// # Example
     /// ```
