@@ -147,6 +147,28 @@ def test_the_examples_in_docstrings_run() -> None:
     assert not wrong and tried > 80, (wrong, tried)
 
 
+def test_no_example_of_a_class_is_overlooked() -> None:
+    """Of a compiled class doctest sees the class and its methods, but not its properties: an example there would never run."""
+    import doctest
+    import importlib
+    import inspect
+
+    run: set[str] = set()
+    for name in _modules():
+        try:
+            module = importlib.import_module(name)
+        except ImportError:  # an extra that is not installed
+            continue
+        run |= {test.name for test in doctest.DocTestFinder().find(module) if test.examples}
+        for kind in [item for item in vars(module).values() if inspect.isclass(item) and item.__module__ == name]:
+            members = {key: m for key, m in vars(kind).items() if inspect.isroutine(m) or inspect.isdatadescriptor(m)}
+            for place, item in {"": kind, **{f".{key}": member for key, member in members.items()}}.items():
+                own = getattr(item, "__module__", name) == name
+                shown = own and ">>> " in (item.__doc__ or "")
+                assert not shown or f"{name}.{kind.__qualname__}{place}" in run, f"{kind.__qualname__}{place}"
+    assert {"stillrate.Filter", "stillrate.Filter.update"} <= run
+
+
 def test_a_page_that_fetches_from_elsewhere_or_leads_nowhere_is_found(tmp_path: Path) -> None:
     sys.path.insert(0, str(ROOT / "docs"))
     from check_site import problems

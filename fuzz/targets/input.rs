@@ -1,4 +1,4 @@
-//! Numbers, choices and words out of the fuzzer's bytes, with a leaning towards values where things break.
+//! Numbers, choices and time steps out of the fuzzer's bytes, with a leaning towards values where things break.
 
 /// Reads what a target asks for; zeros once the bytes are used up.
 pub struct Input<'a>(pub &'a [u8]);

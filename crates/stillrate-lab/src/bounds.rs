@@ -15,6 +15,16 @@ use crate::simulate::motion::{LinearStep, carrier, resonator, three_fold_pole};
 use crate::simulate::{Bed, BedKind, BedSettings, GyroNoiseModel};
 
 /// The best linear estimate of a run and its variance.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::bounds::{Clairvoyant, best_filter_at_rest};
+/// use stillrate_lab::simulate::GyroNoiseModel;
+/// let noise = GyroNoiseModel { density_dps_sqrt_hz: 0.2, bias_sigma_dps: 2.0, bias_time_s: 1e9, ..GyroNoiseModel::perfect() };
+/// let Clairvoyant { rate_dps, variance } = best_filter_at_rest(&[1.0], &noise, 100.0).unwrap();
+/// // One sample of variance .2^2 * 100 = 4 about a bias of variance 4: half way, half the variance.
+/// assert!((rate_dps[0] - 0.5).abs() < 1e-12 && (variance[0] - 2.0).abs() < 1e-12);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clairvoyant {
     /// Estimate of motion + drift after each sample, deg/s.

@@ -15,13 +15,18 @@ pub mod rate_table;
 pub mod recursive;
 pub mod reference_bias;
 pub mod runner;
+mod samples;
 pub mod saved;
 pub mod servo;
 pub mod settings_map;
 pub mod simulate;
 pub mod statistics;
 pub mod tune;
-pub mod wide;
+
+/// The Rust block of the README, run with the other examples.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
 
 /// The Rust blocks of the documentation, run with the other examples.
 #[cfg(doctest)]

@@ -183,7 +183,14 @@ fn maximum(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// How an estimate recovers from a step.
+/// How an estimate recovers from a step; see [`settling`].
+///
+/// # Example
+/// ```
+/// use stillrate_lab::metrics::{Settling, settling};
+/// let never = settling(&[2.0; 3], &[5.0; 3], 10.0, 0..3, 0.5);
+/// assert_eq!(never, Settling { peak: 3.0, time_s: f64::INFINITY });
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settling {
     /// Largest magnitude of the error, in the unit of the estimate.
@@ -192,7 +199,8 @@ pub struct Settling {
     pub time_s: f64,
 }
 
-/// Peak error and settling time over `window` (samples), which begins with the step and ends before the next.
+/// Peak error and settling time over `window` (samples), which begins with the step and ends before the next; `band` is the error that
+/// counts as settled, in the unit of the estimate.
 ///
 /// # Example
 /// ```

@@ -18,10 +18,14 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 ///
 /// # Example
 /// ```
-/// use stillrate_lab::random::{Generator, Random};
-/// let mut random = Random::new(7, 0);
-/// let mean = (0..10_000).map(|_| random.normal()).sum::<f64>() / 1e4;
-/// assert!(mean.abs() < 0.04); // four standard errors
+/// use stillrate_lab::random::{Generator, SplitMix64};
+/// let mut random = SplitMix64::new(7);
+/// let mean = (0..10_000).map(|_| random.uniform()).sum::<f64>() / 1e4;
+/// assert!((mean - 0.5).abs() < 4.0 / 120_000.0_f64.sqrt()); // four standard errors: the variance is a twelfth
+/// let sixes = (0..600).filter(|_| random.below(6) == 5).count();
+/// assert!((64..=136).contains(&sixes)); // a fair die: 100 and four standard deviations
+/// let top_bits = (0..1000).filter(|_| random.bits() >> 63 == 1).count();
+/// assert!((437..=563).contains(&top_bits)); // a fair coin
 /// ```
 pub trait Generator {
     /// The next 64 bits.
@@ -43,13 +47,6 @@ pub trait Generator {
                 return word % bound;
             }
         }
-    }
-    /// Two independent standard normal deviates.
-    fn normal_pair(&mut self) -> (f64, f64) {
-        // 1 - u lies in (0, 1], where the logarithm is finite.
-        let radius = (-2.0 * (1.0 - self.uniform()).logarithm()).root();
-        let (sine, cosine) = (TAU * self.uniform()).sine_cosine();
-        (radius * cosine, radius * sine)
     }
 }
 
@@ -90,6 +87,11 @@ impl Generator for SplitMix64 {
 /// use stillrate_lab::random::{Generator, Random};
 /// assert_eq!(Random::new(1, 0).bits(), Random::new(1, 0).bits());
 /// assert_ne!(Random::new(1, 0).bits(), Random::new(1, 1).bits());
+///
+/// let noise = Random::new(7, 0).normals(10_000);
+/// assert_eq!(noise[0], Random::new(7, 0).normal()); // the same numbers, all at once or one by one
+/// let variance = noise.iter().map(|x| x * x).sum::<f64>() / 1e4;
+/// assert!((variance - 1.0).abs() < 4.0 * 2e-4_f64.sqrt()); // four standard errors
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Random {
@@ -111,9 +113,11 @@ impl Random {
         if let Some(second) = self.spare.take() {
             return second;
         }
-        let (first, second) = self.normal_pair();
-        self.spare = Some(second);
-        first
+        // 1 - u lies in (0, 1], where the logarithm is finite.
+        let radius = (-2.0 * (1.0 - self.uniform()).logarithm()).root();
+        let (sine, cosine) = (TAU * self.uniform()).sine_cosine();
+        self.spare = Some(radius * sine);
+        radius * cosine
     }
 
     /// `count` standard normal deviates.

@@ -8,13 +8,25 @@
 
 use stillrate::Real;
 
-use crate::runner::Precision;
+use crate::samples::Precision;
 use crate::settings_map::{SettingsMap, Value};
 
 const MAGIC: &[u8; 8] = b"STILLRAT";
 const VERSION: u16 = 1;
 
 /// What [`read`] found.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::runner::{Precision, build};
+/// use stillrate_lab::saved::{self, Saved};
+/// use stillrate_lab::settings_map::{SettingsMap, Value};
+/// let settings = SettingsMap::from([("sample_rate_hz".to_string(), Value::Number(50.0))]);
+/// let filter = build("pt1", &settings, 3, Precision::Single)?;
+/// let Saved { method, precision, channels, .. } = saved::read(&filter.save()).unwrap();
+/// assert_eq!((method.as_str(), precision, channels), ("pt1", Precision::Single, 3));
+/// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saved {
     /// Name of the method.
@@ -30,6 +42,15 @@ pub struct Saved {
 }
 
 /// Writes a filter's configuration and state.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::saved::write;
+/// use stillrate_lab::settings_map::SettingsMap;
+/// let bytes = write("pt1", &SettingsMap::new(), 1, &[0.5_f32]);
+/// assert_eq!(&bytes[..11], b"STILLRAT\x01\x00\x04"); // version 1, four bytes a number
+/// assert_eq!(bytes[bytes.len() - 8..bytes.len() - 4], 0.5_f32.to_le_bytes()); // before the checksum
+/// ```
 #[must_use]
 pub fn write<T: Real>(method: &str, settings: &SettingsMap, channels: usize, numbers: &[T]) -> Vec<u8> {
     let mut out = Vec::with_capacity(256 + numbers.len() * T::BYTES);
@@ -163,6 +184,11 @@ impl Cursor<'_> {
 }
 
 /// CRC-32 (IEEE 802.3), bit by bit: states are small.
+///
+/// # Example
+/// ```
+/// assert_eq!(stillrate_lab::saved::crc32(b"123456789"), 0xCBF4_3926); // the check value of its definition
+/// ```
 #[must_use]
 pub fn crc32(bytes: &[u8]) -> u32 {
     let mut sum = u32::MAX;
@@ -178,11 +204,6 @@ pub fn crc32(bytes: &[u8]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn checksum_of_the_standard_check_string_is_right() {
-        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
-    }
 
     #[test]
     fn every_flipped_bit_and_every_cut_is_refused() {

@@ -7,6 +7,17 @@ use stillrate::settings::Visit;
 use stillrate::{ConfigError, GyroNoise, Real, Settings};
 
 /// One value of a settings file.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::MsImmIkfSettings;
+/// use stillrate_lab::settings_map::{SettingsMap, Value, from_map};
+/// let map = SettingsMap::from([
+///     ("sample_rate_hz".to_string(), Value::Number(1000.0)),
+///     ("oscillators".to_string(), Value::List(vec![1.0, 3.0])),
+/// ]);
+/// assert_eq!(from_map::<MsImmIkfSettings>(&map).unwrap().oscillator_count, 2);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// A number.
@@ -20,7 +31,17 @@ pub enum Value {
 /// Settings by name, in alphabetical order.
 pub type SettingsMap = BTreeMap<String, Value>;
 
-/// Why settings cannot be used.
+/// Why settings cannot be used; shown, it is one sentence.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::runner::{Precision, build};
+/// use stillrate_lab::settings_map::{SettingsError, SettingsMap, Value};
+/// let settings = SettingsMap::from([("sample_rate_hz".to_string(), Value::Number(-50.0))]);
+/// let error = build("pt1", &settings, 1, Precision::Double).err().unwrap();
+/// assert!(matches!(&error, SettingsError::Value(value) if value.field == "sample_rate_hz"));
+/// assert!(error.to_string().starts_with("sample_rate_hz = -50"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum SettingsError {
     /// A value is out of range.
@@ -129,15 +150,7 @@ pub fn to_map<S: Settings>(settings: &S) -> SettingsMap {
 }
 
 /// The known name closest to a misspelt one, if any is close.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::settings_map::nearest;
-/// assert_eq!(nearest("cutof_hz", &["cutoff_hz", "quality"]), Some("cutoff_hz"));
-/// assert_eq!(nearest("cheese", &["cutoff_hz", "quality"]), None);
-/// ```
-#[must_use]
-pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     known
         .iter()
         .map(|candidate| (edit_distance(name, candidate), *candidate))
@@ -235,5 +248,16 @@ impl Visit for Writer {
     }
     fn choice(&mut self, name: &'static str, words: &'static [&'static str], chosen: &mut usize) {
         self.0.insert(name.into(), Value::Word(words.get(*chosen).copied().unwrap_or_default().into()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn a_misspelt_name_is_told_from_another_word() {
+        assert_eq!(nearest("cutof_hz", &["cutoff_hz", "quality"]), Some("cutoff_hz"));
+        assert_eq!(nearest("cheese", &["cutoff_hz", "quality"]), None);
     }
 }

@@ -5,7 +5,7 @@
 //! and Legendre's continued fraction (Abramowitz and Stegun 6.5.29, 6.5.31). Quantiles: Newton's iteration held inside
 //! a shrinking bracket.
 
-use core::f64::consts::{PI, SQRT_2};
+use core::f64::consts::SQRT_2;
 
 use stillrate::Real;
 
@@ -22,14 +22,8 @@ pub fn normal_cdf(x: f64) -> f64 {
 }
 
 /// The x with Phi(x) = `lower` and 1 - Phi(x) = `upper`; the smaller tail decides, so that neither side loses digits.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::statistics::normal_score;
-/// assert!((normal_score(0.95, 0.05) - 1.6448536269514722).abs() < 1e-12);
-/// ```
 #[must_use]
-pub fn normal_score(lower: f64, upper: f64) -> f64 {
+pub(crate) fn normal_score(lower: f64, upper: f64) -> f64 {
     let tail = lower.min(upper);
     if lower.is_nan() || upper.is_nan() {
         return f64::NAN;
@@ -137,14 +131,8 @@ pub fn median(values: &mut [f64]) -> f64 {
 }
 
 /// Quantile of the finite values, linear between neighbours; NaN if there are none. Reorders the slice.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::statistics::quantile;
-/// assert_eq!(quantile(&mut [4.0, 1.0, 2.0, 3.0, 5.0], 0.25), 2.0);
-/// ```
 #[must_use]
-pub fn quantile(values: &mut [f64], fraction: f64) -> f64 {
+pub(crate) fn quantile(values: &mut [f64], fraction: f64) -> f64 {
     // Finite values first: NaN and the infinities sort behind them.
     let mut count = 0;
     for k in 0..values.len() {
@@ -165,21 +153,9 @@ pub fn quantile(values: &mut [f64], fraction: f64) -> f64 {
     if part > 0.0 { low + part * (high - low) } else { low }
 }
 
-/// Density of the standard normal distribution.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::statistics::normal_density;
-/// assert!((normal_density(0.0) - 0.3989422804014327).abs() < 1e-15);
-/// ```
-#[must_use]
-pub fn normal_density(x: f64) -> f64 {
-    (-0.5 * x * x).exponential() / (2.0 * PI).root()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{chi_square_quantile, median, normal_cdf, normal_score};
+    use super::{chi_square_quantile, median, normal_cdf, normal_score, quantile};
 
     #[test]
     fn chi_square_quantiles_match_printed_tables() {
@@ -209,6 +185,7 @@ mod tests {
             let score = normal_score(normal_cdf(x), normal_cdf(-x));
             assert!((score - x).abs() < 1e-12 * (1.0 + x.abs()), "{x} {score}");
         }
+        assert!((normal_score(0.95, 0.05) - 1.6448536269514722).abs() < 1e-12);
         assert_eq!(normal_score(1.0, 0.0), 37.0);
         assert!(normal_score(f64::NAN, 0.5).is_nan());
     }
@@ -217,5 +194,12 @@ mod tests {
     fn medians_ignore_what_is_not_finite() {
         assert!(median(&mut [f64::NAN, f64::INFINITY]).is_nan());
         assert_eq!(median(&mut [f64::INFINITY, 1.0, 5.0, f64::NAN, 2.0]), 2.0);
+    }
+
+    #[test]
+    fn quantiles_lie_on_the_line_between_their_neighbours() {
+        assert_eq!(quantile(&mut [4.0, 1.0, 2.0, 3.0, 5.0], 0.25), 2.0);
+        assert_eq!(quantile(&mut [4.0, 1.0, f64::NAN, 2.0, 3.0, 5.0], 0.3), 1.0 + 0.3 * 4.0);
+        assert_eq!(quantile(&mut [4.0, 1.0], 1.0), 4.0);
     }
 }

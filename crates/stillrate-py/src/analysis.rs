@@ -12,6 +12,8 @@ use stillrate_lab::metrics;
 use stillrate_lab::simulate::{Bed, BedKind, BedSettings, GyroNoiseModel};
 use stillrate_lab::tune::{self, NoiseFromLog};
 
+use crate::convert::{config_error, exception};
+
 type Column<'py> = PyReadonlyArray1<'py, f64>;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -28,23 +30,10 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(settling, module)?)
 }
 
-/// An exception of `stillrate.errors` by name.
-fn named_error(py: Python<'_>, class: &str, text: String) -> PyErr {
-    let build = || -> PyResult<PyErr> {
-        let class = py.import("stillrate.errors")?.getattr(class)?;
-        Ok(PyErr::from_value(class.call1((text,))?))
-    };
-    build().unwrap_or_else(|failure| failure)
-}
-
-fn setting_error(py: Python<'_>, error: ConfigError) -> PyErr {
-    named_error(py, "ConfigError", error.to_string())
-}
-
 fn log_error(py: Python<'_>, error: LogError) -> PyErr {
     match error {
-        LogError::Setting(error) => setting_error(py, error),
-        LogError::TooShort { .. } => named_error(py, "LogError", error.to_string()),
+        LogError::Setting(error) => config_error(py, &error),
+        LogError::TooShort { .. } => exception(py, "LogError", &error.to_string()),
     }
 }
 
@@ -63,7 +52,7 @@ fn allan_deviation<'py>(
         "all" => Taus::All,
         other => {
             let text = format!("taus = {other:?} (must be \"octave\", \"dense\" or \"all\")");
-            return Err(named_error(py, "ConfigError", text));
+            return Err(config_error(py, &text));
         }
     };
     let z = z.as_slice()?;
@@ -107,8 +96,7 @@ fn noise_from_log<'py>(
     let found = py
         .detach(|| slices.iter().map(|z| tune::noise_from_log(z, sample_rate_hz)).collect::<Result<Vec<_>, _>>())
         .map_err(|error| log_error(py, error))?;
-    let shared = tune::shared_noise(&found)
-        .ok_or_else(|| named_error(py, "LogError", "the record holds no channel".to_owned()))?;
+    let shared = tune::shared_noise(&found).ok_or_else(|| exception(py, "LogError", "the record holds no channel"))?;
     Ok((found.iter().map(|noise| noise_dict(py, noise)).collect::<PyResult<_>>()?, shared))
 }
 
@@ -150,7 +138,7 @@ fn simulate_bed<'py>(
         other => {
             let text =
                 format!("kind = {other:?} (must be \"static\", \"waves\", \"rough-waves\", \"steps\" or \"chirp\")");
-            return Err(named_error(py, "ConfigError", text));
+            return Err(config_error(py, &text));
         }
     };
     let mut settings = BedSettings::new(kind, sample_rate_hz, seed);
@@ -162,7 +150,7 @@ fn simulate_bed<'py>(
         let best = if bound { bounds::clairvoyant(&bed) } else { None };
         Ok((bed, best))
     };
-    let (bed, best) = py.detach(run).map_err(|error| setting_error(py, error))?;
+    let (bed, best) = py.detach(run).map_err(|error| config_error(py, &error))?;
     let dict = PyDict::new(py);
     dict.set_item("scored", (bed.scored.start, bed.scored.end))?;
     dict.set_item("calm", bed.calm.as_ref().map(|range| (range.start, range.end)))?;
@@ -187,7 +175,7 @@ fn simulate_gyro<'py>(
     noise: ModelNumbers,
 ) -> PyResult<[Bound<'py, PyArray1<f64>>; 3]> {
     let (motion, model) = (motion_dps.as_slice()?, model_from(noise));
-    let record = py.detach(|| model.record(motion, sample_rate_hz, seed)).map_err(|error| setting_error(py, error))?;
+    let record = py.detach(|| model.record(motion, sample_rate_hz, seed)).map_err(|error| config_error(py, &error))?;
     Ok([record.measured_dps, record.truth_dps, record.drift_dps].map(|x| PyArray1::from_vec(py, x)))
 }
 
@@ -202,7 +190,7 @@ fn best_at_rest<'py>(
     let (z, model) = (measured_dps.as_slice()?, model_from(noise));
     let best = py
         .detach(|| bounds::best_filter_at_rest(z, &model, sample_rate_hz))
-        .map_err(|error| setting_error(py, error))?;
+        .map_err(|error| config_error(py, &error))?;
     Ok([best.rate_dps, best.variance].map(|x| PyArray1::from_vec(py, x)))
 }
 

@@ -1,20 +1,37 @@
 //! Dictionaries to settings and back, arrays of any stride to tables, errors to exceptions.
 
+use core::fmt::Display;
+
 use numpy::ndarray::ArrayViewD;
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn};
-use pyo3::exceptions::PyTypeError;
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use stillrate_lab::runner::Table;
-use stillrate_lab::settings_map::{SettingsError, SettingsMap, Value};
+use stillrate_lab::runner::{Precision, Source, Table};
+use stillrate_lab::settings_map::{SettingsMap, Value};
 
-/// A settings error as `stillrate.ConfigError` (a `ValueError`).
-pub(crate) fn config_error(py: Python<'_>, error: &SettingsError) -> PyErr {
+/// An exception of `stillrate.errors` by name.
+pub(crate) fn exception(py: Python<'_>, class: &str, text: &str) -> PyErr {
     let build = || -> PyResult<PyErr> {
-        let class = py.import("stillrate.errors")?.getattr("ConfigError")?;
-        Ok(PyErr::from_value(class.call1((error.to_string(),))?))
+        let class = py.import("stillrate.errors")?.getattr(class)?;
+        Ok(PyErr::from_value(class.call1((text,))?))
     };
     build().unwrap_or_else(|failure| failure)
+}
+
+/// What is wrong with a setting as `stillrate.ConfigError` (a `ValueError`).
+pub(crate) fn config_error(py: Python<'_>, error: &impl Display) -> PyErr {
+    exception(py, "ConfigError", &error.to_string())
+}
+
+/// The number type that numpy takes for `dtype`.
+pub(crate) fn precision_from(dtype: &Bound<'_, PyAny>) -> PyResult<Precision> {
+    let name: String = dtype.py().import("numpy")?.getattr("dtype")?.call1((dtype,))?.getattr("name")?.extract()?;
+    match name.as_str() {
+        "float32" => Ok(Precision::Single),
+        "float64" => Ok(Precision::Double),
+        other => Err(PyValueError::new_err(format!("dtype = {other} (must be float32 or float64)"))),
+    }
 }
 
 /// Reads a dictionary of numbers, lists of numbers and words.
@@ -58,6 +75,24 @@ pub(crate) enum Samples<'py> {
     Double(PyReadonlyArrayDyn<'py, f64>),
 }
 
+impl Samples<'_> {
+    pub(crate) fn shape(&self) -> &[usize] {
+        match self {
+            Self::Single(array) => array.shape(),
+            Self::Double(array) => array.shape(),
+        }
+    }
+
+    /// The samples in place.
+    pub(crate) fn source(&self) -> PyResult<Source<'_>> {
+        let source = match self {
+            Self::Single(array) => table_of(&array.as_array()).map(Source::Single),
+            Self::Double(array) => table_of(&array.as_array()).map(Source::Double),
+        };
+        source.ok_or_else(|| PyValueError::new_err("samples must have one or two dimensions"))
+    }
+}
+
 /// Takes a `float32`/`float64` array as it is; anything else goes through `stillrate.arrays.as_samples`.
 pub(crate) fn samples_from<'py>(value: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
     if let Some(samples) = try_samples(value) {
@@ -87,7 +122,7 @@ fn regular<T>(array: &ArrayViewD<'_, T>) -> bool {
 }
 
 /// Describes a one- or two-dimensional array as a table, in place.
-pub(crate) fn table_of<'a, T>(array: &ArrayViewD<'a, T>) -> Option<Table<'a, T>> {
+fn table_of<'a, T>(array: &ArrayViewD<'a, T>) -> Option<Table<'a, T>> {
     if !regular(array) {
         return None;
     }

@@ -1,55 +1,18 @@
-//! `stillrate.Filter`: one class for every method, and the functions that check settings.
+//! `stillrate.Filter`: one class for every method.
 
 use std::sync::{Mutex, MutexGuard};
 
-use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple};
-use stillrate::models::SingerCoefficients;
-use stillrate_lab::runner::{self, Precision, Runner, Sink, Source, Timing};
+use pyo3::types::{PyBytes, PyTuple};
+use stillrate_lab::runner::{self, LastEstimate, Precision, Runner, Sink, Source, Timing};
 
-use crate::convert::{Samples, config_error, samples_from, settings_from, settings_to, table_of};
-use crate::samples::{like, number_from, steps_from, trace_to_python};
+use crate::convert::{config_error, precision_from, samples_from, settings_from, settings_to};
+use crate::samples::{like, number_from, steps_from, trace_to_python, with_row};
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Filter>()?;
-    module.add_function(wrap_pyfunction!(resolve, module)?)?;
-    module.add_function(wrap_pyfunction!(setting_range, module)?)?;
-    module.add_function(wrap_pyfunction!(singer_coefficients, module)?)?;
-    module.add_function(wrap_pyfunction!(method_names, module)?)
-}
-
-/// Names of all methods.
-#[pyfunction]
-fn method_names() -> Vec<&'static str> {
-    runner::method_names()
-}
-
-/// r, s, q11, q12, q22 of a Singer model for unit driving noise.
-#[pyfunction]
-fn singer_coefficients(alpha_per_s: f64, dt_s: f64, single: bool) -> (f64, f64, f64, f64, f64) {
-    if single {
-        let c = SingerCoefficients::new(alpha_per_s as f32, dt_s as f32);
-        (c.r.into(), c.s.into(), c.q11.into(), c.q12.into(), c.q22.into())
-    } else {
-        let c = SingerCoefficients::new(alpha_per_s, dt_s);
-        (c.r, c.s, c.q11, c.q12, c.q22)
-    }
-}
-
-/// Checks settings and returns them complete.
-#[pyfunction]
-fn resolve<'py>(py: Python<'py>, method: &str, settings: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
-    let map = settings_from(settings)?;
-    let runner = runner::build(method, &map, 1, Precision::Double).map_err(|error| config_error(py, &error))?;
-    settings_to(py, &runner.settings())
-}
-
-/// What a setting may be: smallest and largest value, the range in words, and its unit; None for words and unknown settings.
-#[pyfunction]
-fn setting_range(method: &str, name: &str) -> Option<(f64, f64, &'static str, &'static str)> {
-    stillrate::ranges::range_of(method, name).map(|range| (range.low, range.high, range.words, range.unit))
+    module.add_class::<Filter>()
 }
 
 /// A filter with its channels: one class for every method.
@@ -70,12 +33,25 @@ fn setting_range(method: &str, name: &str) -> Option<(f64, f64, &'static str, &'
 /// >>> flt = sr.Filter(sr.MsImmIkf(sample_rate_hz=50.0, noise=noise))
 /// >>> flt.run([0.1, 0.0, float("nan"), 0.1]).shape
 /// (4,)
+/// >>> flt.models, flt.channels, flt.dtype, flt.config.sample_rate_hz
+/// (9, 1, 'float64', 50.0)
+///
+/// A filter goes on where it stood, also after it was saved, and back to its start only on request:
+///
+/// >>> restored, twin = sr.Filter.restore(flt.save()), flt.copy()
+/// >>> flt.update(0.2) == restored.update(0.2) == twin.update(0.2)
+/// True
+/// >>> flt.reset()
+/// >>> round(flt.update(0.2), 9), twin.estimate.rate < 0.2  # the first sample of all stands for itself
+/// (0.2, True)
 #[pyclass(frozen, module = "stillrate")]
 struct Filter {
     runner: Mutex<Box<dyn Runner>>,
     config: Py<PyAny>,
+    /// Number of signals side by side.
     #[pyo3(get)]
     channels: usize,
+    /// Number type of the computation and of the output, "float64" or "float32".
     #[pyo3(get)]
     dtype: &'static str,
 }
@@ -113,21 +89,7 @@ impl Filter {
         };
         let method: String = bound.getattr("method")?.extract()?;
         let map = settings_from(settings.cast()?)?;
-        let precision = match dtype {
-            None => Precision::Double,
-            Some(dtype) => match py
-                .import("numpy")?
-                .getattr("dtype")?
-                .call1((dtype,))?
-                .getattr("name")?
-                .extract::<String>()?
-                .as_str()
-            {
-                "float32" => Precision::Single,
-                "float64" => Precision::Double,
-                other => return Err(PyValueError::new_err(format!("dtype = {other} (must be float32 or float64)"))),
-            },
-        };
+        let precision = dtype.as_ref().map_or(Ok(Precision::Double), precision_from)?;
         let runner = runner::build(&method, &map, channels, precision).map_err(|error| config_error(py, &error))?;
         Self::wrap(py, runner, Some(config))
     }
@@ -157,6 +119,14 @@ impl Filter {
     /// -------
     /// float or tuple of float
     ///     The filtered rate; with several channels, one each.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import stillrate as sr
+    /// >>> noise = sr.GyroNoise(density_dps_sqrt_hz=0.0151)
+    /// >>> flt = sr.Filter(sr.Pt1(sample_rate_hz=50.0, noise=noise), channels=2)
+    /// >>> flt.update(0.1, -0.2), flt.update(float("nan"), -0.2)  # over a missing sample it coasts
+    /// ((0.1, -0.2), (0.1, -0.2))
     #[pyo3(signature = (value, *others, dt_s=None))]
     fn update<'py>(
         &self,
@@ -170,34 +140,14 @@ impl Filter {
             self.lock().update(&mut sample, dt_s);
             return Ok(sample[0].into_pyobject(py)?.into_any());
         }
-        // A row of ordinary size needs no heap.
-        let mut short = [0.0; 16];
-        let mut long = Vec::new();
-        let row = if others.is_empty() {
-            let row = value.try_iter().map_err(|_| self.count_error(1))?;
-            for item in row {
-                long.push(number_from(&item?)?);
+        with_row(value, others, |row| {
+            if row.len() != self.channels {
+                let message = format!("{} samples for {} channels (one float a channel)", row.len(), self.channels);
+                return Err(PyValueError::new_err(message));
             }
-            long.as_mut_slice()
-        } else {
-            let count = 1 + others.len();
-            let row = if count <= short.len() {
-                &mut short[..count]
-            } else {
-                long.resize(count, 0.0);
-                long.as_mut_slice()
-            };
-            row[0] = number_from(value)?;
-            for (slot, other) in row[1..].iter_mut().zip(others) {
-                *slot = number_from(&other)?;
-            }
-            row
-        };
-        if row.len() != self.channels {
-            return Err(self.count_error(row.len()));
-        }
-        self.lock().update(row, dt_s);
-        Ok(PyTuple::new(py, &*row)?.into_any())
+            self.lock().update(row, dt_s);
+            Ok(PyTuple::new(py, &*row)?.into_any())
+        })
     }
 
     /// Filter an array; the state goes on from the call before, so a record may come in pieces.
@@ -231,12 +181,8 @@ impl Filter {
         trace: bool,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let given = samples;
-        let samples = samples_from(given)?;
-        let shape = match &samples {
-            Samples::Single(array) => array.shape().to_vec(),
-            Samples::Double(array) => array.shape().to_vec(),
-        };
+        let input = samples_from(samples)?;
+        let shape = input.shape();
         let (rows, channels) = (shape[0], shape.get(1).copied().unwrap_or(1));
         if channels != self.channels {
             let message = format!(
@@ -247,66 +193,36 @@ impl Filter {
         }
         let steps: Option<Vec<f64>> = dt_s.map(|dt| steps_from(dt, rows)).transpose()?;
         let timing = steps.as_deref().map_or(Timing::Regular, Timing::Steps);
-        let (single, double);
-        let source = match &samples {
-            Samples::Single(array) => {
-                single = array.as_array();
-                Source::Single(
-                    table_of(&single)
-                        .ok_or_else(|| PyValueError::new_err("samples must have one or two dimensions"))?,
-                )
-            }
-            Samples::Double(array) => {
-                double = array.as_array();
-                Source::Double(
-                    table_of(&double)
-                        .ok_or_else(|| PyValueError::new_err("samples must have one or two dimensions"))?,
-                )
-            }
-        };
+        let source = input.source()?;
         if trace {
             let found = py.detach(|| self.lock().trace(source, timing));
-            return trace_to_python(py, &found, &shape, self.dtype);
+            return trace_to_python(py, &found, shape, self.dtype);
         }
-        macro_rules! filtered {
-            ($type:ident, $variant:ident) => {{
-                let fresh = out.is_none();
-                let output = match out {
-                    Some(out) => out
-                        .cast::<PyArrayDyn<$type>>()
-                        .map_err(|_| PyTypeError::new_err(concat!("out must be an array of ", stringify!($type))))?
-                        .clone(),
-                    None => PyArrayDyn::<$type>::zeros(py, shape.clone(), false),
-                };
-                if output.shape() != shape {
-                    return Err(PyValueError::new_err("out must have the shape of the samples"));
-                }
-                {
-                    let mut writable = output
-                        .try_readwrite()
-                        .map_err(|_| PyValueError::new_err("out is not writable, or is the input itself"))?;
-                    let slice = writable.as_slice_mut().map_err(|_| PyValueError::new_err("out must be contiguous"))?;
-                    py.detach(|| self.lock().run(source, timing, Sink::$variant(slice)));
-                }
-                if fresh { like(given, output.into_any()) } else { Ok(output.into_any()) }
-            }};
-        }
-        if self.dtype == "float32" { filtered!(f32, Single) } else { filtered!(f64, Double) }
+        let result = if self.dtype == "float32" {
+            self.run_into(py, source, timing, shape, out, |slice| Sink::Single(slice))?
+        } else {
+            self.run_into(py, source, timing, shape, out, |slice| Sink::Double(slice))?
+        };
+        if out.is_none() { like(samples, result) } else { Ok(result) }
     }
 
     /// The last estimate, an `Estimate`; with several channels a tuple of them.
     #[getter]
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let class = py.import("stillrate.results")?.getattr("Estimate")?;
-        let one = |channel| -> PyResult<Bound<'py, PyAny>> {
-            let last = self.lock().estimate(channel);
+        let one = |last: LastEstimate| {
             let probability = PyTuple::new(py, last.probability)?;
             class.call1((last.rate, last.acceleration, last.variance, probability, last.frequency_hz, last.flags))
         };
         if self.channels == 1 {
-            return one(0);
+            return one(self.lock().estimate(0));
         }
-        Ok(PyTuple::new(py, (0..self.channels).map(one).collect::<PyResult<Vec<_>>>()?)?.into_any())
+        // All of one sample, whatever another thread does meanwhile.
+        let last: Vec<LastEstimate> = {
+            let runner = self.lock();
+            (0..self.channels).map(|channel| runner.estimate(channel)).collect()
+        };
+        Ok(PyTuple::new(py, last.into_iter().map(one).collect::<PyResult<Vec<_>>>()?)?.into_any())
     }
 
     /// Return to the state before the first sample.
@@ -344,7 +260,33 @@ impl Filter {
 }
 
 impl Filter {
-    fn count_error(&self, given: usize) -> PyErr {
-        PyValueError::new_err(format!("{given} samples for {} channels (one float a channel)", self.channels))
+    /// Filters into `out`, or into a new array, of the filter's own number type.
+    fn run_into<'py, T: Element>(
+        &self,
+        py: Python<'py>,
+        source: Source<'_>,
+        timing: Timing<'_>,
+        shape: &[usize],
+        out: Option<&Bound<'py, PyAny>>,
+        sink: for<'a> fn(&'a mut [T]) -> Sink<'a>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let output = match out {
+            Some(out) => out
+                .cast::<PyArrayDyn<T>>()
+                .map_err(|_| PyTypeError::new_err(format!("out must be an array of {}", self.dtype)))?
+                .clone(),
+            None => PyArrayDyn::<T>::zeros(py, shape, false),
+        };
+        if output.shape() != shape {
+            return Err(PyValueError::new_err("out must have the shape of the samples"));
+        }
+        {
+            let mut writable = output
+                .try_readwrite()
+                .map_err(|_| PyValueError::new_err("out is not writable, or is the input itself"))?;
+            let slice = writable.as_slice_mut().map_err(|_| PyValueError::new_err("out must be contiguous"))?;
+            py.detach(|| self.lock().run(source, timing, sink(slice)));
+        }
+        Ok(output.into_any())
     }
 }

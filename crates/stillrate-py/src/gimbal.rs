@@ -9,6 +9,8 @@ use stillrate::ConfigError;
 use stillrate::gimbal::{COUNT, Coefficients, DEFAULT_SCALE, NAMES};
 use stillrate_lab::gimbal::{self as lab, Method, Sampling};
 
+use crate::convert::{config_error, exception};
+
 use super::gimbal_parts;
 use super::gimbal_settings::{get, model_from, settings_from};
 
@@ -25,15 +27,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 
 /// An error of the core as `stillrate.ConfigError`.
 pub(crate) fn refused(py: Python<'_>, error: &ConfigError) -> PyErr {
-    exception(py, "ConfigError", &error.to_string())
-}
-
-pub(crate) fn exception(py: Python<'_>, class: &str, text: &str) -> PyErr {
-    let build = || -> PyResult<PyErr> {
-        let class = py.import("stillrate.errors")?.getattr(class)?;
-        Ok(PyErr::from_value(class.call1((text,))?))
-    };
-    build().unwrap_or_else(|failure| failure)
+    config_error(py, error)
 }
 
 /// Rows of three.

@@ -6,7 +6,9 @@ use pyo3::types::PyDict;
 use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Gauge, Model, Options, Reference, Triads};
 use stillrate_lab::gimbal::Settings;
 
-use super::gimbal::{coefficients, exception, refused};
+use crate::convert::exception;
+
+use super::gimbal::{coefficients, refused};
 
 /// Takes what is in the dictionary under a name, or the default.
 pub(crate) fn get<'py, V>(settings: &Bound<'py, PyDict>, name: &str, default: V) -> PyResult<V>

@@ -18,6 +18,7 @@ mod gimbal_parts;
 mod gimbal_settings;
 mod inspect;
 mod logs;
+mod methods;
 mod observability;
 mod rate_table;
 mod recursive;
@@ -33,6 +34,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     attitude::register(module)?;
     filter::register(module)?;
+    methods::register(module)?;
     rate_table::register(module)?;
     gimbal::register(module)?;
     inspect::register(module)?;

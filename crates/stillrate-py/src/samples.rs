@@ -3,7 +3,7 @@
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyFloat, PyInt};
+use pyo3::types::{PyDict, PyFloat, PyInt, PyTuple};
 use stillrate_lab::runner::Trace;
 
 /// One sample; what is masked, `None` or NA is missing.
@@ -15,6 +15,33 @@ pub(crate) fn number_from(value: &Bound<'_, PyAny>) -> PyResult<f64> {
         return value.extract();
     }
     value.py().import("stillrate.arrays")?.getattr("as_number")?.call1((value,))?.extract()
+}
+
+/// Hands one sample of each channel on, given one by one or as one row.
+pub(crate) fn with_row<R>(
+    value: &Bound<'_, PyAny>,
+    others: &Bound<'_, PyTuple>,
+    then: impl FnOnce(&mut [f64]) -> PyResult<R>,
+) -> PyResult<R> {
+    if others.is_empty() {
+        let Ok(items) = value.try_iter() else { return then(&mut [number_from(value)?]) };
+        let mut row = items.map(|item| number_from(&item?)).collect::<PyResult<Vec<f64>>>()?;
+        return then(&mut row);
+    }
+    // A row of ordinary size needs no heap.
+    let (mut short, mut long) = ([0.0; 16], Vec::new());
+    let count = 1 + others.len();
+    let row = if count <= short.len() {
+        &mut short[..count]
+    } else {
+        long.resize(count, 0.0);
+        long.as_mut_slice()
+    };
+    row[0] = number_from(value)?;
+    for (slot, other) in row[1..].iter_mut().zip(others) {
+        *slot = number_from(&other)?;
+    }
+    then(row)
 }
 
 /// The result in the container of the samples: a series for a series, an array for an array.

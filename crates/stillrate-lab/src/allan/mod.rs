@@ -2,7 +2,7 @@
 //!
 //! sigma^2(tau) is half the mean squared difference of neighbouring means over tau (IEEE Std 952-2020, annex C). The
 //! record may have gaps (non-finite samples). Intervals are chi-square with the equivalent degrees of freedom of the
-//! noise that was found in the record itself; figures and their intervals come from [`fit`](self) of
+//! noise that was found in the record itself; figures and their intervals come from a fit of
 //! N^2 / tau + (2 ln 2 / pi) B^2 + K^2 tau / 3. Work is one pass over the record a cluster length, lengths in parallel.
 
 mod deviation;
@@ -20,6 +20,16 @@ use deviation::{Phase, Point};
 use freedom::{Mixture, covariance, expected, freedom, unit_variances};
 
 /// Which averaging times to evaluate.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::allan::{AllanSettings, Taus, allan_with};
+/// let z: Vec<f64> = (0..100).map(|k| f64::from(k % 7)).collect();
+/// let count = |taus| allan_with(&z, 10.0, AllanSettings { taus, ..AllanSettings::default() }).unwrap().tau_s.len();
+/// assert_eq!(count(Taus::Octave), 6); // 1, 2, 4, ..., 32 of 100 samples: two clusters must fit
+/// assert_eq!(count(Taus::All), 50);
+/// assert_eq!(count(Taus::PerDecade(1000)), 50); // no length twice
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taus {
     /// 1, 2, 4, ... samples.
@@ -52,7 +62,16 @@ impl Default for AllanSettings {
     }
 }
 
-/// A noise figure and its interval.
+/// A noise figure and its interval, in the unit of the figure.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::{allan::{Figure, allan}, random::Random};
+/// let white = Random::new(1, 0).normals(10_000);
+/// let Figure { value, lower, upper } = allan(&white, 1.0).unwrap().angle_random_walk;
+/// assert!(lower < value && value < upper);
+/// assert!(lower < 1.0 && 1.0 < upper); // what it was made with
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
     /// Best value; 0 where the record shows none.
@@ -64,6 +83,16 @@ pub struct Figure {
 }
 
 /// An Allan deviation curve and the noise figures fitted to it. Units follow the record (deg/s in, deg/s out).
+///
+/// # Example
+/// ```
+/// use stillrate_lab::{allan::{Allan, allan}, random::Random};
+/// let curve: Allan = allan(&Random::new(1, 0).normals(100_000), 100.0).unwrap();
+/// assert_eq!(curve.tau_s[10], 10.24); // 2^10 samples
+/// // White noise averages down with the root of time.
+/// assert!((curve.deviation[10] / (0.1 / 10.24_f64.sqrt()) - 1.0).abs() < 0.1);
+/// assert!(curve.lower[10] < curve.fitted[10] && curve.fitted[10] < curve.upper[10] && curve.misfit < 0.3);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Allan {
     /// Averaging times, s.
@@ -150,13 +179,7 @@ pub fn allan_with(z: &[f64], sample_rate_hz: f64, settings: AllanSettings) -> Re
 ///
 /// # Errors
 /// [`LogError`] if no two clusters of that length fit.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::allan::variance_at;
-/// assert_eq!(variance_at(&[0.0, 1.0, 0.0, 1.0], 1), Ok(0.5));
-/// ```
-pub fn variance_at(z: &[f64], cluster_samples: usize) -> Result<f64, LogError> {
+pub(crate) fn variance_at(z: &[f64], cluster_samples: usize) -> Result<f64, LogError> {
     let phase = Phase::new(z);
     let missing = LogError::TooShort { finite: phase.finite(), needed: cluster_samples.saturating_mul(2).max(2) };
     phase.point(cluster_samples).map(|p| p.variance).ok_or(missing)
@@ -222,4 +245,15 @@ fn describe(points: &[Point], fit: &fit::Fit, rate: f64, confidence: f64) -> All
         curve.freedom.push(freedom);
     }
     curve
+}
+
+#[cfg(test)]
+mod tests {
+    use super::variance_at;
+
+    #[test]
+    fn a_record_that_alternates_has_half_its_squared_step() {
+        assert_eq!(variance_at(&[0.0, 1.0, 0.0, 1.0], 1), Ok(0.5));
+        assert!(variance_at(&[0.0, 1.0, 0.0], 2).is_err());
+    }
 }

@@ -5,13 +5,26 @@ use std::fmt::Write;
 use stillrate::{Filter, Outline, Plain, Real, Sample, Settings};
 
 use super::identifier;
-use crate::runner::Precision;
-use crate::settings_map::{SettingsError, SettingsMap, from_map, nearest};
+use crate::runner::{Precision, unknown_method};
+use crate::settings_map::{SettingsError, SettingsMap, from_map};
 
 /// Samples of the self-test.
 const SAMPLES: usize = 64;
 
 /// A configuration as source files.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::export::{Exported, export};
+/// use stillrate_lab::runner::Precision;
+/// use stillrate_lab::settings_map::{SettingsMap, Value};
+/// let settings = SettingsMap::from([("sample_rate_hz".to_string(), Value::Number(8.0))]);
+/// let Exported { config_h, selftest_h, config_rs } = export("pt1", &settings, Precision::Single)?;
+/// assert!(config_h.contains(".period_s = 0.125f,")); // for C
+/// assert!(config_rs.contains("period_s: 0.125,")); // for Rust
+/// assert!(selftest_h.contains("STILLRATE_SELFTEST[64]"));
+/// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exported {
     /// `stillrate_config.h`
@@ -48,11 +61,7 @@ pub fn export(method: &str, settings: &SettingsMap, precision: Precision) -> Res
                         Precision::Double => written::<_, f64>(&settings),
                     }
                 })*
-                other => {
-                    let known = [$(<stillrate::filters::$name as Settings>::METHOD),*];
-                    let hint = nearest(other, &known).map_or(String::new(), |near| format!(": did you mean '{near}'?"));
-                    Err(SettingsError::Text(format!("no method '{other}'{hint}")))
-                }
+                other => Err(unknown_method(other)),
             }
         };
     }
@@ -88,13 +97,12 @@ static const {name}_config STILLRATE_CONFIG = {};
 ",
         c.text
     );
+    let filter_path = rust.text.split_once(" {").map_or("", |(path, _)| path);
     let config_rs = format!(
         "// {about} Generated; do not edit.
 /// Checked configuration.
-pub const STILLRATE_CONFIG: stillrate::filters::{} = {};
+pub const STILLRATE_CONFIG: {filter_path}<{suffix}> = {};
 ",
-        rust.text.split_once(" {").map_or("", |(path, _)| path).trim_start_matches("stillrate::filters::").to_string()
-            + &format!("<{suffix}>"),
         rust.text
     );
     Ok(Exported { config_h, selftest_h: selftest(&filter, &name, &about), config_rs })

@@ -2,14 +2,27 @@
 
 use std::fmt::Write;
 
-use stillrate::{Filter, GyroNoise, Outline, Plain, Real, Settings};
+use stillrate::{Filter, Flags, GyroNoise, Outline, Plain, Real, Settings};
 
 use super::{Held, identifier};
+
+/// The bits of `flags` that a filter can set.
+const FLAGS: [(&str, Flags, &str); 9] = [
+    ("MISSING", Flags::MISSING, "not a number or infinite: the filter coasted"),
+    ("NO_DATA_YET", Flags::NO_DATA_YET, "no usable sample yet: the output is a placeholder"),
+    ("BAD_TIME", Flags::BAD_TIME, "time step zero, negative or not finite: no time passed"),
+    ("RESTARTED", Flags::RESTARTED, "after so long a gap the filter started anew"),
+    ("SATURATED", Flags::SATURATED, "at the sensor's rail"),
+    ("OUTLIER", Flags::OUTLIER, "the outlier model took most of it"),
+    ("DIVERGED", Flags::DIVERGED, "the filter lost its state and started anew"),
+    ("OUT_OF_RANGE", Flags::OUT_OF_RANGE, "beyond any physical rate: treated as missing"),
+    ("CHANGE", Flags::CHANGE, "a change detector fired"),
+];
 
 /// A struct on its way into the header.
 struct Struct {
     name: String,
-    about: &'static [&'static str],
+    about: String,
     members: Vec<Member>,
 }
 
@@ -72,9 +85,8 @@ impl Outline for Collector<'_> {
     }
     fn end_array(&mut self) {}
     fn open(&mut self, name: &'static str, about: &[&'static str]) {
-        let about = Vec::leak(about.to_vec());
         let name = format!("stillrate_{}_{}", snake(name), self.suffix);
-        self.open.push(Struct { name, about, members: Vec::new() });
+        self.open.push(Struct { name, about: plain_text(about), members: Vec::new() });
     }
     fn field(&mut self, name: &'static str, about: &[&'static str]) {
         if let Some(open) = self.open.last_mut() {
@@ -85,7 +97,7 @@ impl Outline for Collector<'_> {
         let Some(done) = self.open.pop() else { return };
         if !self.written.contains(&done.name) {
             self.written.push(done.name.clone());
-            let _ = writeln!(self.text, "\n/* {} */\ntypedef struct {} {{", plain_text(done.about), done.name);
+            let _ = writeln!(self.text, "\n/* {} */\ntypedef struct {} {{", done.about, done.name);
             for member in &done.members {
                 let kind = member.kind.as_deref().unwrap_or("void");
                 let _ = write!(self.text, "    {kind} {}", member.name);
@@ -161,6 +173,12 @@ void {name}_estimate(const {name}_state *state, stillrate_estimate_{suffix} *out
 }
 
 /// The text of `stillrate.h`.
+///
+/// # Example
+/// ```
+/// let header = stillrate_lab::export::c_header();
+/// assert!(header.contains("float stillrate_pt1_f32_step(const stillrate_pt1_f32_config *config,"));
+/// ```
 #[must_use]
 pub fn c_header() -> String {
     let mut text = String::from(
@@ -220,21 +238,14 @@ typedef struct stillrate_estimate_{suffix} {{
     text
 }
 
-use stillrate::Flags;
-
-const FLAGS: [(&str, Flags, &str); 9] = [
-    ("MISSING", Flags::MISSING, "not a number or infinite: the filter coasted"),
-    ("NO_DATA_YET", Flags::NO_DATA_YET, "no usable sample yet: the output is a placeholder"),
-    ("BAD_TIME", Flags::BAD_TIME, "time step zero, negative or not finite: no time passed"),
-    ("RESTARTED", Flags::RESTARTED, "after so long a gap the filter started anew"),
-    ("SATURATED", Flags::SATURATED, "at the sensor's rail"),
-    ("OUTLIER", Flags::OUTLIER, "the outlier model took most of it"),
-    ("DIVERGED", Flags::DIVERGED, "the filter lost its state and started anew"),
-    ("OUT_OF_RANGE", Flags::OUT_OF_RANGE, "beyond any physical rate: treated as missing"),
-    ("CHANGE", Flags::CHANGE, "a change detector fired"),
-];
-
 /// The list of functions that the static library is made of (`crates/stillrate-c/abi/src/functions.rs`).
+///
+/// # Example
+/// ```
+/// use stillrate_lab::{export::c_functions, runner::method_names};
+/// // A comment, then every method in both precisions.
+/// assert_eq!(c_functions().lines().count(), 1 + 2 * method_names().len());
+/// ```
 #[must_use]
 pub fn c_functions() -> String {
     let mut text = String::from("// Every method in both precisions. Generated with the header; do not edit.\n");

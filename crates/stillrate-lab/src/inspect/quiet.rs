@@ -10,7 +10,16 @@ use crate::metrics::{rms_about_mean, rmse};
 /// Least share of present samples for a stretch to count.
 const LEAST_PRESENT: f64 = 0.9;
 
-/// What a filter did to one channel.
+/// What a filter did to one channel, in the unit of the record; see [`effect`].
+///
+/// # Example
+/// ```
+/// use stillrate_lab::inspect::quiet::{Effect, effect};
+/// let raw: Vec<f64> = (0..100).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+/// let halved: Vec<f64> = raw.iter().map(|x| 0.5 * x).collect();
+/// let Effect { before, after, removed, .. } = effect(&raw, &halved, 20);
+/// assert_eq!((before, after, removed), (1.0, 0.5, 0.5));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
     /// The quietest stretch of the raw record.
@@ -25,17 +34,7 @@ pub struct Effect {
 
 /// Finds the stretch of `window` samples with the least scatter about its mean, in hops of a quarter window. A record
 /// shorter than two windows is taken whole.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::inspect::quiet::quietest;
-/// let loud = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
-/// let samples: Vec<f64> = (0..300).map(|k| if (100..200).contains(&k) { 0.1 * loud(k) } else { loud(k) }).collect();
-/// let quiet = quietest(&samples, 60);
-/// assert!(quiet.start >= 100 && quiet.end <= 200);
-/// ```
-#[must_use]
-pub fn quietest(samples: &[f64], window: usize) -> Range<usize> {
+fn quietest(samples: &[f64], window: usize) -> Range<usize> {
     let window = window.max(4);
     if samples.len() < 2 * window {
         return 0..samples.len();

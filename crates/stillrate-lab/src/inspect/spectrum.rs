@@ -8,6 +8,16 @@ use realfft::RealFftPlanner;
 use stillrate::Real;
 
 /// A power spectral density.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::{inspect::spectrum::{Spectrum, welch}, random::Random};
+/// let white: Vec<f64> = Random::new(1, 0).normals(20_000).iter().map(|x| 0.2 * x).collect();
+/// let Spectrum { frequency_hz, density, segments } = welch(&white, 100.0, 1000);
+/// assert_eq!((frequency_hz.len(), frequency_hz[499], segments), (500, 50.0, 39));
+/// // Variance .04 over 0..50 Hz: the whole of it stands below the curve.
+/// assert!((density.iter().sum::<f64>() * 0.1 / 0.04 - 1.0).abs() < 0.05);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     /// Frequencies in Hz, from the first above zero.

@@ -8,12 +8,24 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use crate::logs::dialect::{self, Dialect};
-
-/// No row of a log is longer; a longer one means that the file is no table.
-const LONGEST_LINE_BYTES: usize = 1 << 20;
+use super::dialect;
+pub use super::dialect::Dialect;
+use super::guarded::Guarded;
 
 /// What a column holds.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::delimited::{Column, read};
+/// let path = std::env::temp_dir().join("stillrate-column-example.csv");
+/// std::fs::write(&path, "stamp_ns,gx\n1700000000123456789,0.5\n1700000000133456789,\n")?;
+/// let columns = read(&path).unwrap().columns;
+/// // Not one nanosecond is lost, as it would be in a number of 53 bits.
+/// assert_eq!(columns[0], Column::Integers(vec![1_700_000_000_123_456_789, 1_700_000_000_133_456_789]));
+/// assert!(matches!(&columns[1], Column::Numbers(gx) if gx[1].is_nan()));
+/// std::fs::remove_file(&path)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Column {
     /// Whole numbers, none missing.
@@ -32,6 +44,18 @@ enum Kind {
 }
 
 /// A table read from text.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::delimited::{Table, read};
+/// let path = std::env::temp_dir().join("stillrate-table-example.tsv");
+/// std::fs::write(&path, "t_s\tgx_dps\n0.0\t0.5\n0.1\tn/a\n")?;
+/// let Table { dialect, columns, missing_word } = read(&path).unwrap();
+/// assert_eq!((dialect.names.len(), columns.len()), (2, 2));
+/// assert_eq!(missing_word.as_deref(), Some("n/a")); // written again where a value is missing
+/// std::fs::remove_file(&path)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Table {
     /// How the file is written.
@@ -43,6 +67,18 @@ pub struct Table {
 }
 
 /// Why a file cannot be read.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::delimited::{ReadError, read};
+/// let path = std::env::temp_dir().join("stillrate-error-example.csv");
+/// std::fs::write(&path, "t,gx\n0,1\n1,2\n2\n")?;
+/// let Err(ReadError::Malformed(reason)) = read(&path) else { panic!("the last line is too short") };
+/// assert!(reason.starts_with("line 4 has 1 field where 2 are expected"));
+/// std::fs::remove_file(&path)?;
+/// assert!(matches!(read(&path), Err(ReadError::Io(_))));
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Debug)]
 pub enum ReadError {
     /// The file cannot be opened or read.
@@ -152,13 +188,7 @@ fn each_row(path: &Path, dialect: &Dialect, mut visit: impl FnMut(&[String])) ->
         .flexible(true)
         .delimiter(if blanks { b'\t' } else { dialect.delimiter })
         .trim(csv::Trim::All)
-        .from_reader(Guarded {
-            inner: file,
-            squeeze: blanks,
-            line: 1 + dialect.lines_before_rows,
-            length: 0,
-            blank: true,
-        });
+        .from_reader(Guarded::new(file, 1 + dialect.lines_before_rows, blanks));
     let mut record = csv::ByteRecord::new();
     let (width, mut rows) = (dialect.names.len(), 0_usize);
     let mut fields = vec![String::new(); width];
@@ -195,49 +225,6 @@ fn reason(error: csv::Error) -> String {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error.to_string(),
         other => format!("not a table of text ({other:?})"),
-    }
-}
-
-/// Passes text through; stops at bytes that no table holds. With `squeeze`, runs of blanks become one tab.
-struct Guarded<R> {
-    inner: R,
-    squeeze: bool,
-    line: usize,
-    length: usize,
-    blank: bool,
-}
-
-impl<R: Read> Read for Guarded<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        loop {
-            let taken = self.inner.read(buffer)?;
-            let mut kept = 0;
-            for index in 0..taken {
-                let byte = buffer[index];
-                self.length += 1;
-                if byte == 0 {
-                    let text = format!("line {} holds binary zeros: the file is damaged or half-written", self.line);
-                    return Err(io::Error::new(io::ErrorKind::InvalidData, text));
-                }
-                if self.length > LONGEST_LINE_BYTES {
-                    let text = format!("line {} is longer than a megabyte: no table of text", self.line);
-                    return Err(io::Error::new(io::ErrorKind::InvalidData, text));
-                }
-                if byte == b'\n' {
-                    (self.line, self.length) = (self.line + 1, 0);
-                }
-                let blank = byte == b' ' || byte == b'\t';
-                if self.squeeze && blank && self.blank {
-                    continue;
-                }
-                self.blank = blank || byte == b'\n';
-                buffer[kept] = if self.squeeze && blank { b'\t' } else { byte };
-                kept += 1;
-            }
-            if kept > 0 || taken == 0 {
-                return Ok(kept);
-            }
-        }
     }
 }
 

@@ -5,12 +5,25 @@
 //! preamble, which is kept.
 
 /// How many bytes of a file are looked at to find its dialect.
-pub const SAMPLE_BYTES: usize = 256 * 1024;
+pub(super) const SAMPLE_BYTES: usize = 256 * 1024;
 
 /// Lines beginning with one of these are comments.
 const COMMENT_MARKS: [&str; 3] = ["#", "%", "//"];
 
 /// How a delimited text file is written.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::delimited::{Dialect, read};
+/// let path = std::env::temp_dir().join("stillrate-dialect-example.csv");
+/// std::fs::write(&path, "logger 7\nt;gx\ns;deg/s\n0,0;1,5\n0,1;1,6\n")?;
+/// let Dialect { delimiter, decimal_comma, names, preamble, .. } = read(&path).unwrap().dialect;
+/// assert_eq!((delimiter, decimal_comma), (b';', true));
+/// assert_eq!(names, ["t [s]", "gx [deg/s]"]);
+/// assert_eq!(preamble.len(), 3);
+/// std::fs::remove_file(&path)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Dialect {
     /// The byte between fields; a space stands for any run of blanks.
@@ -28,15 +41,7 @@ pub struct Dialect {
 }
 
 /// Decodes UTF-8 (with or without mark), or Latin-1 when it is not UTF-8.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::logs::dialect::decode;
-/// assert_eq!(decode(b"\xef\xbb\xbfdeg/s"), "deg/s");
-/// assert_eq!(decode(b"\xb0/s"), "\u{b0}/s"); // Latin-1
-/// ```
-#[must_use]
-pub fn decode(bytes: &[u8]) -> String {
+pub(super) fn decode(bytes: &[u8]) -> String {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     match core::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
@@ -45,28 +50,13 @@ pub fn decode(bytes: &[u8]) -> String {
 }
 
 /// Whether a line is a comment.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::logs::dialect::is_comment;
-/// assert!(is_comment("  # t, gx") && !is_comment("t, gx"));
-/// ```
-#[must_use]
-pub fn is_comment(line: &str) -> bool {
+pub(super) fn is_comment(line: &str) -> bool {
     let line = line.trim_start();
     COMMENT_MARKS.iter().any(|mark| line.starts_with(mark))
 }
 
 /// A field's number; `None` if it is not one. Blank and the usual words for "no value" are NaN.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::logs::dialect::number;
-/// assert_eq!((number("1,5", true), number(" 2 ", false), number("x", false)), (Some(1.5), Some(2.0), None));
-/// assert!(number("n/a", false).unwrap().is_nan());
-/// ```
-#[must_use]
-pub fn number(field: &str, decimal_comma: bool) -> Option<f64> {
+pub(super) fn number(field: &str, decimal_comma: bool) -> Option<f64> {
     let field = field.trim();
     if is_missing(field) {
         return Some(f64::NAN);
@@ -79,27 +69,12 @@ pub fn number(field: &str, decimal_comma: bool) -> Option<f64> {
 }
 
 /// Whether a field says that there is no value.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::logs::dialect::is_missing;
-/// assert!(is_missing("") && is_missing("NaN") && !is_missing("0"));
-/// ```
-#[must_use]
-pub fn is_missing(field: &str) -> bool {
+pub(super) fn is_missing(field: &str) -> bool {
     field.is_empty() || ["nan", "na", "n/a", "null", "none", "-nan"].iter().any(|word| field.eq_ignore_ascii_case(word))
 }
 
 /// Splits a line into fields; quotes that begin a field protect delimiters within it.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::logs::dialect::split;
-/// assert_eq!(split("a ;\"b;c\"", b';'), ["a", "b;c"]);
-/// assert_eq!(split("1   2", b' '), ["1", "2"]);
-/// ```
-#[must_use]
-pub fn split(line: &str, delimiter: u8) -> Vec<String> {
+fn split(line: &str, delimiter: u8) -> Vec<String> {
     if delimiter == b' ' {
         return line.split_whitespace().map(|field| field.trim_matches('"').to_owned()).collect();
     }
@@ -113,17 +88,8 @@ pub fn split(line: &str, delimiter: u8) -> Vec<String> {
     record.iter().map(str::to_owned).collect()
 }
 
-/// Finds the dialect of a file from its first part; `None` if there is no line with a field.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::logs::dialect::detect;
-/// let dialect = detect("logger 7\nt;gx\n0,0;1,5\n0,1;1,6\n", true).unwrap();
-/// assert_eq!((dialect.delimiter, dialect.decimal_comma), (b';', true));
-/// assert_eq!((dialect.names, dialect.lines_before_rows), (vec!["t".into(), "gx".into()], 2));
-/// ```
-#[must_use]
-pub fn detect(sample: &str, complete: bool) -> Option<Dialect> {
+/// Finds the dialect of a file from its first part, which may be all of it; `None` if there is no line with a field.
+pub(super) fn detect(sample: &str, complete: bool) -> Option<Dialect> {
     let mut lines: Vec<&str> = sample.lines().collect();
     if !complete && lines.len() > 1 {
         lines.pop();
@@ -246,4 +212,36 @@ fn distinct(names: Vec<String>) -> Vec<String> {
         found.push(name);
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decodes_utf_8_without_its_mark_and_latin_1() {
+        assert_eq!(decode(b"\xef\xbb\xbfdeg/s"), "deg/s");
+        assert_eq!(decode(b"\xb0/s"), "\u{b0}/s");
+    }
+
+    #[test]
+    fn tells_numbers_comments_and_missing_values_apart() {
+        assert!(is_comment("  # t, gx") && !is_comment("t, gx"));
+        assert_eq!((number("1,5", true), number(" 2 ", false), number("x", false)), (Some(1.5), Some(2.0), None));
+        assert!(number("n/a", false).unwrap().is_nan());
+        assert!(is_missing("") && is_missing("NaN") && !is_missing("0"));
+    }
+
+    #[test]
+    fn splits_at_delimiters_outside_quotes_and_at_any_run_of_blanks() {
+        assert_eq!(split("a ;\"b;c\"", b';'), ["a", "b;c"]);
+        assert_eq!(split("1   2", b' '), ["1", "2"]);
+    }
+
+    #[test]
+    fn the_rows_tell_where_the_header_is() {
+        let dialect = detect("logger 7\nt;gx\n0,0;1,5\n0,1;1,6\n", true).unwrap();
+        assert_eq!((dialect.delimiter, dialect.decimal_comma), (b';', true));
+        assert_eq!((dialect.names, dialect.lines_before_rows), (vec!["t".into(), "gx".into()], 2));
+    }
 }

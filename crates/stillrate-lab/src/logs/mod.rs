@@ -4,6 +4,7 @@
 
 pub mod blackbox;
 pub mod delimited;
-pub mod dialect;
+mod dialect;
+mod guarded;
 pub mod timebase;
 pub mod writer;

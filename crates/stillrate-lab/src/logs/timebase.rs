@@ -20,6 +20,14 @@ const BURST_RATIO: f64 = 1.5;
 const PAUSE_RATIO: f64 = 5.0;
 
 /// What time stamps say.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::timebase::{Timebase, analyse};
+/// let Timebase { sample_rate_hz, regular, longest_step_s, backward, .. } = analyse(&[0.0, 0.25, 0.5, 0.25, 1.0]);
+/// assert_eq!((sample_rate_hz, longest_step_s), (4.0, 0.75));
+/// assert_eq!((regular, backward), (false, vec![3]));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timebase {
     /// Nominal sample rate in Hz; NaN if fewer than two different stamps.

@@ -6,9 +6,26 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use crate::logs::delimited::Column;
+use super::delimited::Column;
 
 /// How to write a table.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::{delimited::Column, writer::{Style, write}};
+/// let path = std::env::temp_dir().join("stillrate-style-example.csv");
+/// let style = Style {
+///     delimiter: b';',
+///     decimal_comma: true,
+///     preamble: vec!["# logger 7".into()],
+///     header: None,
+///     missing_word: "n/a".into(),
+/// };
+/// write(&path, &[Column::Integers(vec![1, 2]), Column::Numbers(vec![0.5, f64::NAN])], &style)?;
+/// assert_eq!(std::fs::read_to_string(&path)?, "# logger 7\n1;0,5\n2;n/a\n");
+/// std::fs::remove_file(&path)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Style {
     /// The byte between fields.

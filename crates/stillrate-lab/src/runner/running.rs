@@ -5,10 +5,12 @@ use rayon::prelude::*;
 use stillrate::filter::{Filter, Sample};
 use stillrate::{ConfigError, Real, Reals, Settings};
 
-use super::watched::{ESTIMATE_NUMBERS, Watched, Watcher, widened};
-use super::{LastEstimate, Precision, Runner, Sink, Source, Timing, Trace};
+use super::face::{Restorable, Runner};
+use super::watched::{ESTIMATE_NUMBERS, LastEstimate, Trace, Watched, Watcher, widened};
+use super::wide::{Columns, Group, Wide, run_group};
+use crate::samples::{Precision, Sink, Source, Timing};
+use crate::saved;
 use crate::settings_map::{SettingsMap, to_map};
-use crate::{saved, wide};
 
 /// From this many samples on, groups of channels run on several threads; which thread never changes a bit.
 const PARALLEL_FROM: usize = 1 << 15;
@@ -23,7 +25,7 @@ pub(super) struct Running<S: Settings, T: Real> {
     last: Vec<Watched<T, StateOf<S, T>>>,
 }
 
-impl<S: Settings, T: wide::Wide> Running<S, T> {
+impl<S: Settings, T: Wide> Running<S, T> {
     pub(super) fn new(settings: S, channels: usize) -> Result<Self, ConfigError> {
         let filter = settings.build::<T>()?;
         let blank = Watched::blank(filter.models());
@@ -34,12 +36,15 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
     fn run_source(&mut self, source: Source<'_>, timing: Timing<'_>, output: &mut [T]) {
         let (rows, channels) = source.shape();
         let filter = &self.filter;
-        let run = |first: usize, group: &mut [StateOf<S, T>], output: &wide::Columns<'_, T>| match group.len() {
-            1 => wide::run_group::<T, _, 1>(filter, group, first, source, timing, output),
-            few if few <= 4 => wide::run_group::<T, _, 4>(filter, group, first, source, timing, output),
-            _ => T::run_widest(filter, group, first, source, timing, output),
+        let output = Columns::new(output, channels);
+        let run = |first: usize, states: &mut [StateOf<S, T>]| {
+            let group = Group { first, source, timing, output: &output };
+            match states.len() {
+                1 => run_group::<T, _, 1>(filter, states, &group),
+                few if few <= 4 => run_group::<T, _, 4>(filter, states, &group),
+                _ => T::run_widest(filter, states, &group),
+            }
         };
-        let output = wide::Columns::new(output, channels);
         // Full groups first, then what is left: by fours if that fills half a group at most; or one channel after the other.
         let full = if S::Filter::<T>::SIDE_BY_SIDE { channels - channels % T::WIDTH } else { 0 };
         let rest = channels - full;
@@ -53,10 +58,10 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
             wide_states.chunks_mut(T::WIDTH).enumerate().map(|(k, group)| (k * T::WIDTH, group)).collect();
         groups.extend(rest_states.chunks_mut(narrow).enumerate().map(|(k, group)| (full + k * narrow, group)));
         if groups.len() > 1 && rows * channels >= PARALLEL_FROM {
-            groups.into_par_iter().for_each(|(first, group)| run(first, group, &output));
+            groups.into_par_iter().for_each(|(first, group)| run(first, group));
         } else {
             for (first, group) in groups {
-                run(first, group, &output);
+                run(first, group);
             }
         }
     }
@@ -115,7 +120,7 @@ impl<S: Settings, T: wide::Wide> Running<S, T> {
     }
 }
 
-impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
+impl<S: Settings, T: Wide> Runner for Running<S, T> {
     fn method(&self) -> &'static str {
         S::METHOD
     }
@@ -198,6 +203,17 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
         saved::write(S::METHOD, &self.settings(), self.states.len(), &numbers)
     }
 
+    fn duplicate(&self) -> Box<dyn Runner> {
+        Box::new(Self {
+            settings: self.settings.clone(),
+            filter: self.filter,
+            states: self.states.clone(),
+            last: self.last.clone(),
+        })
+    }
+}
+
+impl<S: Settings, T: Wide> Restorable for Running<S, T> {
     fn fits(&self, numbers: usize, channels: usize) -> bool {
         let count = <StateOf<S, T> as Reals<T>>::COUNT;
         let watched = ESTIMATE_NUMBERS + self.filter.models();
@@ -234,14 +250,5 @@ impl<S: Settings, T: wide::Wide> Runner for Running<S, T> {
         }
         (self.states, self.last) = (restored, last);
         Ok(())
-    }
-
-    fn duplicate(&self) -> Box<dyn Runner> {
-        Box::new(Self {
-            settings: self.settings.clone(),
-            filter: self.filter,
-            states: self.states.clone(),
-            last: self.last.clone(),
-        })
     }
 }

@@ -6,19 +6,35 @@ use stillrate::filter::{Estimate, Flags, ModelTrace, Observer, Sample};
 /// Numbers of a saved estimate besides the probabilities: see [`Watched::scatter`].
 pub(super) const ESTIMATE_NUMBERS: usize = 5;
 
-/// No flag has a bit above this.
-const ALL_FLAGS: u32 = (1 << 13) - 1;
+/// No flag has a bit above [`Flags::EDGE_HELD`].
+const ALL_FLAGS: u32 = 2 * Flags::EDGE_HELD.0 - 1;
 
-/// What a run looks like from inside: one entry a sample and channel, channels fastest.
+/// What a run looks like from inside: one entry a sample and channel, channels fastest. Rates are in the unit of the samples, deg/s.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::runner::{Precision, Source, Table, Timing, build};
+/// use stillrate_lab::settings_map::{SettingsMap, Value};
+/// let settings = SettingsMap::from([("sample_rate_hz".to_string(), Value::Number(50.0))]);
+/// let mut filter = build("singer-imm-kf", &settings, 2, Precision::Double)?;
+/// // One axis at rest, one that turns to and fro.
+/// let samples: Vec<f64> = (0..200).flat_map(|k| [0.0, if k / 5 % 2 == 0 { 30.0 } else { -30.0 }]).collect();
+/// let trace = filter.trace(Source::Double(Table::contiguous(&samples, 2).unwrap()), Timing::Regular);
+/// assert_eq!((trace.rate.len(), trace.probability.len()), (200 * 2, 200 * trace.models * 2));
+/// // The probability of the quiet model at the last sample.
+/// let [at_rest, moving] = trace.probability[199 * trace.models * 2..][..2] else { panic!("two channels") };
+/// assert!(at_rest > 0.5 && moving < 0.5);
+/// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Number of models of the filter.
     pub models: usize,
     /// Filtered rate.
     pub rate: Vec<f64>,
-    /// Its derivative.
+    /// Its time derivative, per second; 0 for methods that do not estimate it.
     pub acceleration: Vec<f64>,
-    /// Variance of the rate.
+    /// Variance of the rate as the filter believes it; 0 for methods that have no opinion.
     pub variance: Vec<f64>,
     /// Manoeuvre frequency in Hz; NaN for methods without one.
     pub frequency_hz: Vec<f64>,
@@ -30,14 +46,29 @@ pub struct Trace {
     pub per_model: Vec<ModelTrace<f64>>,
 }
 
-/// The last estimate of one channel.
+/// The last estimate of one channel, in the unit of the samples, deg/s.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::runner::{Precision, build};
+/// use stillrate_lab::settings_map::{SettingsMap, Value};
+/// let settings = SettingsMap::from([("sample_rate_hz".to_string(), Value::Number(50.0))]);
+/// let mut filter = build("ms-imm-ikf", &settings, 1, Precision::Double)?;
+/// for _ in 0..500 {
+///     filter.update(&mut [0.25], None);
+/// }
+/// let last = filter.estimate(0);
+/// assert!((last.rate - 0.25).abs() < 1e-3 && last.variance.sqrt() < 0.05);
+/// assert!((last.probability.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+/// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LastEstimate {
     /// Filtered rate.
     pub rate: f64,
-    /// Its derivative.
+    /// Its time derivative, per second; 0 for methods that do not estimate it.
     pub acceleration: f64,
-    /// Variance of the rate.
+    /// Variance of the rate as the filter believes it; 0 for methods that have no opinion.
     pub variance: f64,
     /// Manoeuvre frequency in Hz; NaN for methods without one.
     pub frequency_hz: f64,

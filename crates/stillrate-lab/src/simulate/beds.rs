@@ -17,6 +17,13 @@ use super::motion::{carrier, resonator, sample_path, smooth_process};
 use crate::random::Random;
 
 /// Which motion.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::simulate::{BedKind, BedSettings};
+/// let steps = BedSettings::new(BedKind::Steps, 100.0, 0).simulate().unwrap();
+/// assert!(steps.motion_dps[999] == 0.0 && (steps.motion_dps[1500] - 5.0).abs() < 1e-9); // 5 deg/s from 10 s on
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BedKind {
     /// At rest, 60 s.
@@ -32,11 +39,11 @@ pub enum BedKind {
 }
 
 /// Frequency of the waves, Hz.
-pub const WAVE_FREQUENCY_HZ: f64 = 2.0;
+pub(crate) const WAVE_FREQUENCY_HZ: f64 = 2.0;
 /// Three-fold pole of the wave amplitudes, rad/s.
-pub const WAVE_POLE_RAD_S: f64 = 0.5;
+pub(crate) const WAVE_POLE_RAD_S: f64 = 0.5;
 /// Damping gamma of the rough waves, rad/s.
-pub const ROUGH_DAMPING_RAD_S: f64 = 0.25;
+pub(crate) const ROUGH_DAMPING_RAD_S: f64 = 0.25;
 /// Where the score of a wave run begins, s (sample 200 at 50 Hz).
 const SCORE_FROM_S: f64 = 4.0;
 /// Wait after the waves end before the calm is scored, s.
@@ -69,7 +76,10 @@ mod stream {
 ///     .simulate()
 ///     .unwrap();
 /// assert_eq!(bed.measured_dps.len(), 6000);
-/// assert_eq!(bed.calm, Some(5000..6000)); // from 5 s after the waves end
+/// assert!(bed.settings.has_waves());
+/// // Scored from 4 s until the waves end; the calm begins 5 s later.
+/// assert_eq!(bed.scored, bed.settings.sample_at(4.0)..bed.settings.sample_at(20.0));
+/// assert_eq!(bed.calm, Some(5000..6000));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BedSettings {
@@ -248,10 +258,4 @@ impl Bed {
         let count = self.measured_dps.len();
         self.settings.sample_at(self.settings.waves_end_s + wait_s).min(count)..count
     }
-}
-
-/// Times (s) of the steps of [`BedKind::Steps`] and the level (deg/s) that begins there.
-#[must_use]
-pub fn step_levels() -> &'static [(f64, f64)] {
-    &LEVELS
 }

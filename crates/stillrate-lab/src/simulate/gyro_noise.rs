@@ -4,8 +4,7 @@
 //! Standard single-axis model (IEEE Std 952-2020, annex C). With sample period T: white noise of two-sided density N
 //! has variance N^2 / T a sample; the Gauss-Markov bias b' = phi b + sqrt(1 - phi^2) sigma n, phi = exp(-T / tau),
 //! starts stationary; the rate random walk grows by K sqrt(T) n from 0; flicker noise B is a sum of Gauss-Markov
-//! processes. The drift (bias + walk + flicker) belongs to the truth:
-//! no filter can tell it from rate.
+//! processes. The drift (bias + walk + flicker) belongs to the truth: no filter can tell it from rate.
 
 use stillrate::Real;
 use stillrate::error::{ConfigError, not_negative, positive};
@@ -45,6 +44,15 @@ pub struct GyroNoiseModel {
 }
 
 /// A simulated reading and the truth behind it.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::simulate::{GyroNoiseModel, NoiseRecord};
+/// let model = GyroNoiseModel { density_dps_sqrt_hz: 0.0, ..GyroNoiseModel::bench() };
+/// let NoiseRecord { drift_dps, truth_dps, measured_dps } = model.record(&[3.0; 100], 50.0, 1).unwrap();
+/// assert_eq!(truth_dps[7], 3.0 + drift_dps[7]); // drift belongs to the truth
+/// assert_eq!(measured_dps, truth_dps); // without white noise
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseRecord {
     /// Slow drift: Gauss-Markov bias plus rate random walk plus flicker, deg/s.
@@ -79,6 +87,14 @@ impl GyroNoiseModel {
     }
 
     /// A gyro that reads the truth.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate_lab::simulate::GyroNoiseModel;
+    /// let coarse = GyroNoiseModel { lsb_dps: 0.25, saturation_dps: 2.0, ..GyroNoiseModel::perfect() };
+    /// let record = coarse.record(&[0.1, 0.2, -5.0], 50.0, 0).unwrap();
+    /// assert_eq!(record.measured_dps, [0.0, 0.25, -2.0]);
+    /// ```
     #[must_use]
     pub const fn perfect() -> Self {
         Self {
@@ -98,7 +114,7 @@ impl GyroNoiseModel {
     ///
     /// # Errors
     /// [`ConfigError`] that names the first one out of range.
-    pub fn check(&self) -> Result<(), ConfigError> {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
         not_negative("density_dps_sqrt_hz", self.density_dps_sqrt_hz, "deg/s/sqrt(Hz)")?;
         not_negative("bias_sigma_dps", self.bias_sigma_dps, "deg/s")?;
         positive("bias_time_s", self.bias_time_s, "s")?;

@@ -14,13 +14,13 @@ use crate::random::Random;
 
 /// One step of a linear system: x' = F x + noise of covariance Q; `stationary` is its covariance in the long run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinearStep<const D: usize> {
+pub(crate) struct LinearStep<const D: usize> {
     /// Transition over one period.
-    pub transition: SMatrix<f64, D, D>,
+    pub(crate) transition: SMatrix<f64, D, D>,
     /// Covariance of what a period adds.
-    pub process_noise: SMatrix<f64, D, D>,
+    pub(crate) process_noise: SMatrix<f64, D, D>,
     /// Covariance of the state in the long run.
-    pub stationary: SMatrix<f64, D, D>,
+    pub(crate) stationary: SMatrix<f64, D, D>,
 }
 
 /// int_0^T t^m e^(-b t) dt as the positive series T^(m+1) e^(-bT) sum_k (bT)^k / ((m+1) ... (m+1+k)).
@@ -37,15 +37,7 @@ fn moment_integral(m: u32, b: f64, period: f64) -> f64 {
 }
 
 /// Three-fold pole at `pole_rad_s` over a period; the third state has unit variance.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::simulate::motion::three_fold_pole;
-/// let step = three_fold_pole(0.5, 0.1);
-/// assert!((step.stationary[(2, 2)] - 1.0).abs() < 1e-14);
-/// ```
-#[must_use]
-pub fn three_fold_pole(pole_rad_s: f64, period_s: f64) -> LinearStep<3> {
+pub(crate) fn three_fold_pole(pole_rad_s: f64, period_s: f64) -> LinearStep<3> {
     let (a, t) = (pole_rad_s, period_s);
     let factorial = [1.0, 1.0, 2.0, 6.0, 24.0];
     let two_a = 2.0 * a;
@@ -65,15 +57,7 @@ const GAUSS_LEGENDRE: [(f64, f64); 2] =
     [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_86)];
 
 /// Resonator w'' + 2 gamma w' + w0^2 w = n over a period; states w (unit variance) and w'.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::simulate::motion::resonator;
-/// let step = resonator(12.6, 0.25, 0.02);
-/// assert_eq!(step.stationary[(0, 0)], 1.0);
-/// ```
-#[must_use]
-pub fn resonator(frequency_rad_s: f64, damping_rad_s: f64, period_s: f64) -> LinearStep<2> {
+pub(crate) fn resonator(frequency_rad_s: f64, damping_rad_s: f64, period_s: f64) -> LinearStep<2> {
     let (w0, gamma) = (frequency_rad_s, damping_rad_s);
     let wd = (w0 * w0 - gamma * gamma).root();
     let intensity = 4.0 * gamma * w0 * w0;
@@ -125,8 +109,12 @@ fn cholesky<const D: usize>(matrix: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
 }
 
 /// Output `state` of the system at `count` steps, started in its long-run distribution.
-#[must_use]
-pub fn sample_path<const D: usize>(step: &LinearStep<D>, state: usize, count: usize, random: &mut Random) -> Vec<f64> {
+pub(crate) fn sample_path<const D: usize>(
+    step: &LinearStep<D>,
+    state: usize,
+    count: usize,
+    random: &mut Random,
+) -> Vec<f64> {
     let start = cholesky(&step.stationary);
     let noise = cholesky(&step.process_noise);
     let mut normals = || SVector::<f64, D>::from_fn(|_, _| random.normal());
@@ -147,15 +135,7 @@ const KNOT_RATE_HZ: f64 = 10.0;
 
 /// Unit-variance process with a three-fold pole at `times_s` (all in 0..=`duration_s`): exact at 10 Hz, natural cubic
 /// spline between.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::{random::Random, simulate::motion::smooth_process};
-/// let t: Vec<f64> = (0..500).map(|k| 0.02 * f64::from(k)).collect();
-/// assert_eq!(smooth_process(0.5, &t, 10.0, &mut Random::new(1, 0)).len(), 500);
-/// ```
-#[must_use]
-pub fn smooth_process(pole_rad_s: f64, times_s: &[f64], duration_s: f64, random: &mut Random) -> Vec<f64> {
+pub(crate) fn smooth_process(pole_rad_s: f64, times_s: &[f64], duration_s: f64, random: &mut Random) -> Vec<f64> {
     let count = (duration_s.max(0.0) * KNOT_RATE_HZ).ceil() as usize + 2 * SPARE_KNOTS;
     let knots = sample_path(&three_fold_pole(pole_rad_s, 1.0 / KNOT_RATE_HZ), 2, count, random);
     let curvature = spline_curvature(&knots);
@@ -189,9 +169,8 @@ fn spline_curvature(y: &[f64]) -> Vec<f64> {
     curvature
 }
 
-/// Angle 2 pi f t reduced to one turn before the sine is taken, so that long runs keep their phase.
-#[must_use]
-pub fn carrier(frequency_hz: f64, t_s: f64) -> (f64, f64) {
+/// Sine and cosine of 2 pi f t, reduced to one turn first, so that long runs keep their phase.
+pub(crate) fn carrier(frequency_hz: f64, t_s: f64) -> (f64, f64) {
     let turns = frequency_hz * t_s;
     (TAU * (turns - turns.floor())).sine_cosine()
 }
@@ -218,6 +197,12 @@ mod tests {
             is_stationary(&three_fold_pole(0.5, period), 1e-14);
             is_stationary(&resonator(12.566, 0.25, period), 1e-13);
         }
+    }
+
+    #[test]
+    fn outputs_have_unit_variance() {
+        assert!((three_fold_pole(0.5, 0.1).stationary[(2, 2)] - 1.0).abs() < 1e-14);
+        assert_eq!(resonator(12.6, 0.25, 0.02).stationary[(0, 0)], 1.0);
     }
 
     #[test]

@@ -21,6 +21,18 @@ const MAX_VALUES: usize = 1 << 28;
 const MAX_REASONS: usize = 100;
 
 /// Values of one field.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::blackbox::{Values, read};
+/// # let mut log = b"H Product:Blackbox flight data recorder\nH Data version:2\nH Field I name:time,gyroADC[0]\n\
+/// # H Field I signed:0,1\nH Field I predictor:0,0\nH Field I encoding:1,0\nH Field P predictor:1,1\n\
+/// # H Field P encoding:0,0\nH gyro_scale:0x3f000000\n".to_vec(); // half a deg/s a count
+/// # log.extend(b"I\x64\x03P\x14\x02E\xffEnd of log\0"); // 100 us and -2 counts, then 10 us and 1 count more
+/// let flight = read(&log).longest.unwrap();
+/// assert_eq!(flight.columns[0], Values::Unsigned(vec![100, 110])); // time: as counted
+/// assert_eq!(flight.columns[1], Values::Physical(vec![-1.0, -0.5])); // a gyro: deg/s
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
     /// In physical units.
@@ -32,6 +44,18 @@ pub enum Values {
 }
 
 /// One flight.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::blackbox::{Flight, read};
+/// let mut log = b"H Product:Blackbox flight data recorder\nH Data version:2\nH Field I name:time,gyroADC[0]\n\
+/// H Field I signed:0,1\nH Field I predictor:0,0\nH Field I encoding:1,0\nH Field P predictor:1,1\n\
+/// H Field P encoding:0,0\nH gyro_scale:0x3f000000\n".to_vec(); // half a deg/s a count
+/// log.extend(b"I\x64\x03P\x14\x02"); // 100 us and -2 counts, then 10 us and 1 count more
+/// let Flight { time_us, names, ended, .. } = read(&log).longest.unwrap();
+/// assert_eq!((time_us, names[1].as_str()), (vec![100, 110], "gyroADC[0]"));
+/// assert!(!ended); // no end mark: the power went first
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Flight {
     /// Firmware that wrote it.
@@ -51,6 +75,15 @@ pub struct Flight {
 }
 
 /// The flights of a file.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::logs::blackbox::{Flights, read};
+/// let of_another_age = b"H Product:Blackbox flight data recorder\nH Data version:1\n";
+/// let Flights { longest, count, unreadable } = read(of_another_age);
+/// assert!(longest.is_none() && count == 0);
+/// assert_eq!(unreadable, ["its data version is not 2"]);
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Flights {
     /// The one with most samples.
@@ -61,10 +94,9 @@ pub struct Flights {
     pub unreadable: Vec<String>,
 }
 
-/// Reads a file.
+/// Reads the bytes of a file.
 ///
-/// # Examples
-///
+/// # Example
 /// ```
 /// let found = stillrate_lab::logs::blackbox::read(b"no log at all");
 /// assert!(found.longest.is_none() && found.count == 0);

@@ -6,13 +6,13 @@ use core::marker::PhantomData;
 use stillrate::block;
 use stillrate::{Filter, Real, Reals};
 
-use crate::runner::{Precision, Sink, Source, Table, Timing};
+use crate::samples::{Precision, Sink, Source, Table, Timing};
 
 /// Rows of a tile: large enough to hide the hand-over, small enough for the first-level cache.
 const ROWS: usize = 128;
 
 /// A number type with its vector width.
-pub trait Wide: Real {
+pub(super) trait Wide: Real {
     /// Channels that run side by side.
     const WIDTH: usize;
     /// The type as a [`Precision`].
@@ -20,14 +20,7 @@ pub trait Wide: Real {
     /// The sink, if it is of this type.
     fn sink(sink: Sink<'_>) -> Option<&mut [Self]>;
     /// [`run_group`] at [`Wide::WIDTH`].
-    fn run_widest<F: Filter<Self>>(
-        filter: &F,
-        states: &mut [F::State],
-        first: usize,
-        source: Source<'_>,
-        timing: Timing<'_>,
-        output: &Columns<'_, Self>,
-    );
+    fn run_widest<F: Filter<Self>>(filter: &F, states: &mut [F::State], group: &Group<'_, Self>);
 }
 
 macro_rules! wide {
@@ -41,15 +34,8 @@ macro_rules! wide {
                     _ => None,
                 }
             }
-            fn run_widest<F: Filter<Self>>(
-                filter: &F,
-                states: &mut [F::State],
-                first: usize,
-                source: Source<'_>,
-                timing: Timing<'_>,
-                output: &Columns<'_, Self>,
-            ) {
-                run_group::<Self, F, $width>(filter, states, first, source, timing, output);
+            fn run_widest<F: Filter<Self>>(filter: &F, states: &mut [F::State], group: &Group<'_, Self>) {
+                run_group::<Self, F, $width>(filter, states, group);
             }
         }
     };
@@ -59,7 +45,7 @@ wide!(f32, 16, Single);
 wide!(f64, 8, Double);
 
 /// A sample-major output that several threads fill, each its own columns.
-pub struct Columns<'a, T> {
+pub(super) struct Columns<'a, T> {
     start: *mut T,
     len: usize,
     channels: usize,
@@ -71,7 +57,7 @@ unsafe impl<T: Send> Sync for Columns<'_, T> {}
 
 impl<'a, T: Copy> Columns<'a, T> {
     /// Borrows the output for as long as the columns live.
-    pub fn new(output: &'a mut [T], channels: usize) -> Self {
+    pub(super) fn new(output: &'a mut [T], channels: usize) -> Self {
         Self { start: output.as_mut_ptr(), len: output.len(), channels, lifetime: PhantomData }
     }
 
@@ -90,15 +76,21 @@ impl<'a, T: Copy> Columns<'a, T> {
     }
 }
 
-/// Runs `states.len() <= W` channels, starting with channel `first`, over a table into sample-major `output`.
-/// Idle lanes repeat the first channel, so that they never need more care than it.
-pub fn run_group<T: Real, F: Filter<T>, const W: usize>(
+/// Neighbouring channels that run side by side: where their samples come from, when, and where the results go.
+pub(super) struct Group<'a, T> {
+    /// Number of the first channel. No channel is in two groups of one output.
+    pub(super) first: usize,
+    pub(super) source: Source<'a>,
+    pub(super) timing: Timing<'a>,
+    pub(super) output: &'a Columns<'a, T>,
+}
+
+/// Runs the `states.len() <= W` channels of a group over their table. Idle lanes repeat the first channel, so that they never need
+/// more care than it.
+pub(super) fn run_group<T: Real, F: Filter<T>, const W: usize>(
     filter: &F,
     states: &mut [F::State],
-    first: usize,
-    source: Source<'_>,
-    timing: Timing<'_>,
-    output: &Columns<'_, T>,
+    &Group { first, source, timing, output }: &Group<'_, T>,
 ) {
     let used = states.len().min(W);
     let (total, _) = source.shape();
