@@ -8,13 +8,18 @@ use pyo3::types::{PyDict, PyList};
 use stillrate_lab::runner::Table;
 use stillrate_lab::settings_map::{SettingsError, SettingsMap, Value};
 
-/// A settings error as `stillrate.ConfigError` (a `ValueError`).
-pub(crate) fn config_error(py: Python<'_>, error: &SettingsError) -> PyErr {
+/// An exception of `stillrate.errors` by name.
+pub(crate) fn named_error(py: Python<'_>, class: &str, text: &str) -> PyErr {
     let build = || -> PyResult<PyErr> {
-        let class = py.import("stillrate.errors")?.getattr("ConfigError")?;
-        Ok(PyErr::from_value(class.call1((error.to_string(),))?))
+        let class = py.import("stillrate.errors")?.getattr(class)?;
+        Ok(PyErr::from_value(class.call1((text,))?))
     };
     build().unwrap_or_else(|failure| failure)
+}
+
+/// A settings error as `stillrate.ConfigError` (a `ValueError`).
+pub(crate) fn config_error(py: Python<'_>, error: &SettingsError) -> PyErr {
+    named_error(py, "ConfigError", &error.to_string())
 }
 
 /// Reads a dictionary of numbers, lists of numbers and words.

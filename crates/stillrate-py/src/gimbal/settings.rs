@@ -3,13 +3,29 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Gauge, Model, Options, Reference, Triads};
+use stillrate::ConfigError;
+use stillrate::gimbal::{COUNT, Coefficients, DEFAULT_SCALE, Gauge, Model, Options, Reference, Triads};
 use stillrate_lab::gimbal::Settings;
 
-use super::gimbal::{coefficients, exception, refused};
+use crate::convert::named_error;
+
+/// An error of the core as `stillrate.ConfigError`.
+pub(super) fn refused(py: Python<'_>, error: &ConfigError) -> PyErr {
+    named_error(py, "ConfigError", &error.to_string())
+}
+
+/// A vector of up to 41 coefficients over a default.
+pub(super) fn coefficients(values: &[f64], default: &Coefficients) -> PyResult<Coefficients> {
+    if values.len() > COUNT {
+        return Err(PyValueError::new_err(format!("{} coefficients (there are {COUNT})", values.len())));
+    }
+    let mut all = *default;
+    all[..values.len()].copy_from_slice(values);
+    Ok(all)
+}
 
 /// Takes what is in the dictionary under a name, or the default.
-pub(crate) fn get<'py, V>(settings: &Bound<'py, PyDict>, name: &str, default: V) -> PyResult<V>
+pub(super) fn get<'py, V>(settings: &Bound<'py, PyDict>, name: &str, default: V) -> PyResult<V>
 where
     V: for<'a> FromPyObject<'a, 'py>,
 {
@@ -32,7 +48,8 @@ fn triad(rows: &[Vec<usize>], default: [[usize; 3]; 3]) -> PyResult<[[usize; 3];
     }
 }
 
-pub(crate) fn model_from(py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Model> {
+/// Place and build of a head.
+pub(super) fn model_from(py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Model> {
     let gravity = get(settings, "gravity_m_s2", 9.8)?;
     let latitude = get(settings, "latitude_rad", 40.0_f64.to_radians())?;
     let mut model = Model::new(gravity, latitude).map_err(|e| refused(py, &e))?;
@@ -49,10 +66,11 @@ pub(crate) fn model_from(py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResu
     Ok(model)
 }
 
-pub(crate) fn settings_from(py: Python<'_>, dict: &Bound<'_, PyDict>) -> PyResult<Settings> {
+/// Everything about a calibration but the record.
+pub(super) fn settings_from(py: Python<'_>, dict: &Bound<'_, PyDict>) -> PyResult<Settings> {
     let mut settings = Settings::new(model_from(py, dict)?);
     let wrong = |name: &str, value: &str, range: &str| {
-        exception(py, "ConfigError", &format!("{name} = {value} (must be {range})"))
+        named_error(py, "ConfigError", &format!("{name} = {value} (must be {range})"))
     };
     settings.gauge = match get(dict, "gauge", "accelerometer".to_owned())?.as_str() {
         "accelerometer" => Gauge::Accelerometer,
