@@ -213,7 +213,7 @@ fn run_draw(study: &Study, seed: u64) -> Result<Draw, ConfigError> {
 /// let mut study = Study::new(Model::new(9.8, 0.7)?);
 /// study.trajectory = Trajectory { segment_s: 20.0, ..Trajectory::default() };
 /// let draws = run_study(&study, &[5, 3])?;
-/// assert_eq!(draws[1], run_study(&study, &[3])?[0]);
+/// assert_eq!(draws[1].outcome.coefficients, run_study(&study, &[3])?[0].outcome.coefficients);
 /// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 pub fn run_study(study: &Study, seeds: &[u64]) -> Result<Vec<Draw>, ConfigError> {

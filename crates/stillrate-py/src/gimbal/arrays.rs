@@ -14,7 +14,7 @@ pub(super) fn triples(array: &PyReadonlyArray2<'_, f64>, name: &str) -> PyResult
     Ok(array.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
 }
 
-/// A table of rows of any length.
+/// Rows of one length as an array.
 pub(super) fn table<'py>(py: Python<'py>, rows: &[Vec<f64>]) -> Bound<'py, PyArray2<f64>> {
     let columns = rows.first().map_or(0, Vec::len);
     let flat: Vec<f64> = rows.iter().flatten().copied().collect();

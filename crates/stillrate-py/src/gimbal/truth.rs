@@ -69,9 +69,7 @@ fn gimbal_study<'py>(
     options: &Bound<'py, PyDict>,
     settings: &Bound<'py, PyDict>,
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
-    let number = |name: &str, default: f64| -> PyResult<f64> {
-        options.get_item(name)?.map_or(Ok(default), |value| value.extract())
-    };
+    let number = |name: &str, default: f64| get(options, name, default);
     let mut settings = settings_from(py, settings)?;
     settings = settings.with_gyro_scale(number("gyro_scale", 1.0)?);
     let method = Method::named(method).ok_or_else(|| PyValueError::new_err(format!("no method {method}")))?;
