@@ -61,6 +61,26 @@ pub(super) struct FoundForce {
     pub(super) derivative: [Vector3<f64>; NORM_COUNT],
 }
 
+impl<T: Real> NormState<T> {
+    /// State at the prior.
+    pub(super) fn at(prior: &Coefficients) -> Self {
+        Self { coefficients: *prior, factor: Factor::unit(NORM_COUNT) }
+    }
+
+    /// D P D^T: how uncertain a found force is because of the nine coefficients, (m/s^2)^2.
+    pub(super) fn force_covariance(&self, derivative: &[Vector3<f64>; NORM_COUNT]) -> Matrix3<f64> {
+        let mut covariance = Matrix3::zeros();
+        for j in 0..NORM_COUNT {
+            let mut column = Vector3::zeros();
+            for (i, d) in derivative.iter().enumerate() {
+                column += d * self.factor.entry(i, j).widen();
+            }
+            covariance += column * column.transpose();
+        }
+        covariance
+    }
+}
+
 impl<T: Real> NormLoop<T> {
     /// Loop with the given prior standard deviations.
     ///
@@ -72,11 +92,6 @@ impl<T: Real> NormLoop<T> {
             *slot = crate::error::positive(super::coefficients::NAMES[index], scale[index], "")?;
         }
         Ok(Self { model, scale: picked, number: core::marker::PhantomData })
-    }
-
-    /// State at the prior.
-    pub(super) fn start(&self, prior: &Coefficients) -> NormState<T> {
-        NormState { coefficients: *prior, factor: Factor::unit(NORM_COUNT) }
     }
 
     /// f_e = A_a^-1 u and its derivatives.
@@ -129,23 +144,6 @@ impl<T: Real> NormLoop<T> {
         Some(before)
     }
 
-    /// D P D^T: how uncertain the found force is because of the nine coefficients, (m/s^2)^2.
-    pub(super) fn force_covariance(
-        &self,
-        state: &NormState<T>,
-        derivative: &[Vector3<f64>; NORM_COUNT],
-    ) -> Matrix3<f64> {
-        let mut covariance = Matrix3::zeros();
-        for j in 0..NORM_COUNT {
-            let mut column = Vector3::zeros();
-            for (i, d) in derivative.iter().enumerate() {
-                column += d * state.factor.entry(i, j).widen();
-            }
-            covariance += column * column.transpose();
-        }
-        covariance
-    }
-
     /// Standard deviations of the nine coefficients (SI), 0 elsewhere.
     pub(super) fn standard_deviation(&self, state: &NormState<T>) -> Coefficients {
         let mut deviation = [0.0; COUNT];
@@ -164,7 +162,7 @@ mod tests {
     #[test]
     fn too_long_a_specific_force_is_a_positive_bias() {
         let norm = NormLoop::<f64>::new(Model::new(9.8, 0.7).unwrap(), &DEFAULT_SCALE).unwrap();
-        let mut state = norm.start(&[0.0; COUNT]);
+        let mut state = NormState::at(&[0.0; COUNT]);
         norm.step(&mut state, &Measurement { value: [0.0, 9.81, 0.0], variance: [2e-13; 3] });
         assert!(state.coefficients[FORCE_BIAS + 1] > 0.0);
     }

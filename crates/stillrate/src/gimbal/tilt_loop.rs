@@ -145,12 +145,12 @@ impl<T: Real> TwoLoop<T> {
         prior: &Coefficients,
         mut observe: impl FnMut(usize, &Coefficients),
     ) -> (Coefficients, Coefficients) {
-        let mut norm = self.norm.start(prior);
+        let mut norm = NormState::at(prior);
         let mut tilt = self.start(prior);
         for k in 0..record.epochs() {
             let measurement = self.advance(&mut tilt, record, k);
             if let Some(before) = self.norm.step(&mut norm, &measurement) {
-                let doubt = self.norm.force_covariance(&norm, &before.derivative) * CASCADE;
+                let doubt = norm.force_covariance(&before.derivative) * CASCADE;
                 let found = self.norm.found(&norm.coefficients, &measurement.value);
                 self.correct(&mut tilt, &found.force, measurement.variance[0], &doubt);
             }
@@ -169,7 +169,7 @@ impl<T: Real> TwoLoop<T> {
     ) -> (Coefficients, Coefficients) {
         let model = &self.tilt.model;
         let earth_rate = model.earth_rate();
-        let mut norm = self.norm.start(prior);
+        let mut norm = NormState::at(prior);
         let mut frame = Matrix3::identity();
         for k in 0..record.epochs() {
             frame = model.commanded_step(&frame, &Vector3::from(record.command(k)), &earth_rate, record.interval_s());
@@ -177,7 +177,7 @@ impl<T: Real> TwoLoop<T> {
             self.norm.step(&mut norm, &measurement);
         }
         let mut tilt = self.start(prior);
-        let mut shown = self.norm.start(prior);
+        let mut shown = NormState::at(prior);
         for k in 0..record.epochs() {
             let measurement = self.advance(&mut tilt, record, k);
             self.norm.step(&mut shown, &measurement);
