@@ -39,6 +39,10 @@ class Iteration:
     __repr__ = brief
 
 
+_KEPT = 0.7
+"""Share of its prior deviation above which something counts as not seen: the data then says less than the prior (half the variance)."""
+
+
 @dataclass(frozen=True)
 class ReferenceBias:
     """A gyro bias found from a reference attitude.
@@ -78,6 +82,16 @@ class ReferenceBias:
         Whether the iteration settled, clear of the ambiguity where bias times time is pi.
     history : tuple of Iteration
         Every iteration.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stillrate as sr
+    >>> still = np.tile(np.eye(3), (2, 1, 1))
+    >>> rates = np.full((100, 3), 1e-3)
+    >>> found = sr.reference_bias(rates, 0.01, [0, 100], still, earth_rate=False, estimate_mounting=True)
+    >>> found.observable, found.unobservable  # at rest every mounting explains the record
+    (False, ('mounting_x', 'mounting_y', 'mounting_z'))
     """
 
     bias_rad_s: Array
@@ -103,7 +117,7 @@ class ReferenceBias:
     @property
     def unobservable(self) -> tuple[str, ...]:
         """Names of what the motion tells less about than was known before."""
-        return tuple(name for name, ratio in zip(self.names, self.posterior_over_prior, strict=True) if ratio > 0.7)
+        return tuple(name for name, ratio in zip(self.names, self.posterior_over_prior, strict=True) if ratio > _KEPT)
 
 
 def reference_bias(

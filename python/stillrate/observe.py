@@ -60,6 +60,17 @@ class Observability:
         When each state first fell to a tenth of its prior, s; NaN for never.
     weak_directions : tuple of WeakDirection
         Directions that keep more than half their prior, weakest first.
+
+    Examples
+    --------
+    Of two biases only the sum is measured:
+
+    >>> times = {"duration_s": 10, "interval_s": 0.1}
+    >>> found = observability(np.zeros((2, 2)), [[1, 1]], **times, measurement_sigma=0.01, prior_sigma=1, states=("a", "b"))
+    >>> found.total_rank, found.riccati_over_prior.round(3).tolist()
+    (1, [0.707, 0.707])
+    >>> [sorted(weak.components) for weak in found.weak_directions]  # their difference
+    [['a', 'b']]
     """
 
     states: tuple[str, ...]
@@ -160,9 +171,13 @@ def observability(
     return Observability(states=names, weak_directions=weak, **values)
 
 
+_SHOWN = 0.1
+"""Components of a direction smaller than this are not worth a reader's time."""
+
+
 def _named(names: tuple[str, ...], components: Sequence[float]) -> dict[str, float]:
     pairs = sorted(zip(names, components, strict=True), key=lambda pair: -abs(pair[1]))
-    return {name: value for name, value in pairs if abs(value) >= 0.1}
+    return {name: value for name, value in pairs if abs(value) >= _SHOWN}
 
 
 def bench_imu(

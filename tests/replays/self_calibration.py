@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import stillrate as sr
-from stillrate import gimbal_parts as parts
+from stillrate.gimbal import parts
 
 Found = dict[str, np.ndarray]
 

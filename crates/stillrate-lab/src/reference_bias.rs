@@ -11,6 +11,26 @@ use stillrate::attitude::{Body, Inertial, Navigation, Rotation, check_dcm, earth
 use crate::settings_map::SettingsError;
 
 /// Gyro rates with reference attitudes.
+///
+/// # Example
+/// ```
+/// use nalgebra::Matrix3;
+/// use stillrate::attitude::earth::EARTH_RATE_RAD_S;
+/// use stillrate_lab::reference_bias::{Reading, ReferenceLog};
+/// let log = ReferenceLog {
+///     rate_rad_s: vec![[0.0, 0.0, 1.0], [0.0, 0.0, 3.0]],
+///     dt_s: vec![0.5; 2],
+///     fix_index: vec![0, 2],
+///     c_b_n: vec![Matrix3::identity(); 2],
+///     latitude_rad: vec![0.8; 2],
+///     longitude_rad: vec![0.1; 2],
+/// };
+/// let fixes = log.fixes(Reading { earth_rate: true, instantaneous: true, project: false })?;
+/// let turned = (fixes[0].attitude.inverse() * fixes[1].attitude).log().norm();
+/// assert!((turned - EARTH_RATE_RAD_S).abs() < 1e-15); // level and pointing north, it turned with the Earth for a second
+/// assert_eq!(log.mean_rates(true)[0], [0.0, 0.0, 2.0]); // between two instants
+/// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReferenceLog {
     /// Body rates, rad/s.
@@ -28,6 +48,24 @@ pub struct ReferenceLog {
 }
 
 /// How a log is to be read.
+///
+/// # Example
+/// ```
+/// use nalgebra::Matrix3;
+/// use stillrate_lab::reference_bias::{Reading, ReferenceLog};
+/// let rounded = Matrix3::new(0.94, -0.342, 0.0, 0.342, 0.94, 0.0, 0.0, 0.0, 1.0); // 20 degrees, three digits
+/// let log = ReferenceLog {
+///     rate_rad_s: vec![[0.0; 3]],
+///     dt_s: vec![1.0],
+///     fix_index: vec![0, 1],
+///     c_b_n: vec![rounded; 2],
+///     latitude_rad: vec![0.0; 2],
+///     longitude_rad: vec![0.0; 2],
+/// };
+/// let strict = Reading { earth_rate: false, instantaneous: false, project: false };
+/// assert!(log.fixes(strict).unwrap_err().to_string().starts_with("c_b_n[0]"));
+/// assert!(log.fixes(Reading { project: true, ..strict }).is_ok());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Whether the Earth turns; false for a reference frame that does not (or an experiment that ignores it).
@@ -39,6 +77,12 @@ pub struct Reading {
 }
 
 /// How the bias is found.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::reference_bias::{METHODS, Method};
+/// assert_eq!(METHODS[0], ("exact", Method::Exact));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Gauss-Newton, all fixes.
@@ -60,7 +104,7 @@ pub const METHODS: [(&str, Method); 4] = [
 ];
 
 impl ReferenceLog {
-    /// Inertial attitudes of all fixes.
+    /// Inertial attitudes of all fixes, C_b_i.
     ///
     /// # Errors
     /// A sentence that names the fix or sample that cannot be used.
@@ -110,7 +154,7 @@ impl ReferenceLog {
         Ok(Fix { index, attitude: earth::inertial_attitude(latitude, longitude, c_b_n, time - first) })
     }
 
-    /// Rates as means over their samples.
+    /// Rates (rad/s) as means over their samples; instantaneous ones become the means of neighbours.
     #[must_use]
     pub fn mean_rates(&self, instantaneous: bool) -> Vec<[f64; 3]> {
         if !instantaneous {
@@ -124,6 +168,27 @@ impl ReferenceLog {
 }
 
 /// An estimate with its iterations; the shortcuts have no covariance and no iterations.
+///
+/// # Example
+/// ```
+/// # use nalgebra::Matrix3;
+/// # use stillrate::attitude::reference_bias::{BiasSettings, Unknowns};
+/// # use stillrate_lab::reference_bias::{Method, Reading, ReferenceLog, reference_bias};
+/// # let log = ReferenceLog {
+/// #     rate_rad_s: vec![[0.0, 0.0, 1e-3]; 100],
+/// #     dt_s: vec![0.01; 100],
+/// #     fix_index: vec![0, 100],
+/// #     c_b_n: vec![Matrix3::identity(); 2],
+/// #     latitude_rad: vec![0.0; 2],
+/// #     longitude_rad: vec![0.0; 2],
+/// # };
+/// # let still = Reading { earth_rate: false, instantaneous: false, project: false };
+/// let by = |method| reference_bias(&log, still, &BiasSettings::default(), Unknowns::default(), method);
+/// let (exact, quick) = (by(Method::Exact)?, by(Method::MeanRate)?);
+/// assert!((exact.bias_rad_s - quick.bias_rad_s).amax() < 1e-15); // at rest there is nothing to choose
+/// assert!(exact.exact.is_some_and(|estimate| estimate.observable()) && quick.exact.is_none() && quick.history.is_empty());
+/// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Bias, rad/s.

@@ -4,11 +4,10 @@ use std::path::Path;
 
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
-use stillrate::gimbal::geometry::{force_axis, gyro_axes};
 use stillrate::gimbal::rotation::exponential;
 use stillrate::gimbal::{
-    COUNT, Coefficients, DEFAULT_SCALE, Estimator, Gauge, Geometry, JointFilter, Model, Options, Record, Reference,
-    Relinearised, Selection,
+    COUNT, Coefficients, DEFAULT_SCALE, Estimator, ForceAxis, Gauge, Geometry, GyroAxes, JointFilter, Model, Options,
+    Record, Reference, Relinearised, Selection,
 };
 use stillrate_lab::gimbal::{
     Disturbance, Draw, Method, Settings, Start, Study, Trajectory, calibrate, disturb, draw, outputs, run_study,
@@ -61,10 +60,10 @@ fn single_steps_equal_the_unit_vectors() {
         assert_close(&rows(&exponential(&v)), &numbers(&case["R"]), 1e-12, "rexp");
     }
     for i in 0..3 {
-        let axes = gyro_axes(&model.triads.gyro[i], x[15 + i], x[18 + i]);
+        let axes = GyroAxes::new(&model.triads.gyro[i], x[15 + i], x[18 + i]);
         let found: Vec<f64> = [axes.input, axes.output, axes.spin].iter().flatten().copied().collect();
         assert_close(&found, &numbers(&document["gyro_axes"][i]), 1e-12, "gyro axes");
-        let axis = force_axis(&model.triads.accelerometer[i], x[27 + i], x[30 + i]);
+        let axis = ForceAxis::new(&model.triads.accelerometer[i], x[27 + i], x[30 + i]);
         let wanted = &document["acc_axis"][i];
         assert_close(axis.input.as_slice(), &numbers(&wanted["a"]), 1e-12, "a");
         assert_close(axis.by_pendulous_angle.as_slice(), &numbers(&wanted["da_dthp"]), 1e-12, "da/dthp");

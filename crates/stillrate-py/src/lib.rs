@@ -14,8 +14,6 @@ mod drift;
 mod export;
 mod filter;
 mod gimbal;
-mod gimbal_parts;
-mod gimbal_settings;
 mod inspect;
 mod logs;
 mod methods;

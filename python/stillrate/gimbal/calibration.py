@@ -22,7 +22,18 @@ class History:
     time_s : ndarray, shape (m,)
         Time since the start in s.
     coefficients, standard_deviation : ndarray, shape (m, n)
-        In the order of `Calibration.names`.
+        In the order of `Calibration.names`, SI.
+
+    Examples
+    --------
+    >>> import stillrate as sr
+    >>> command = sr.gimbal.trajectory()[:400]
+    >>> samples = sr.gimbal.simulate(sr.gimbal.draw(seed=1), command, sigma_m_s2=1e-6, seed=2)
+    >>> history = sr.gimbal.calibrate(command, samples, 0.25, every=100, bounds=False).history
+    >>> history.time_s.tolist(), history.coefficients.shape
+    ([25.0, 50.0, 75.0, 100.0], (4, 33))
+    >>> bool(history.standard_deviation[-1, 24] < 0.1 * history.standard_deviation[0, 24])  # ka1x, once gravity lies along it
+    True
     """
 
     time_s: Floats
@@ -57,6 +68,18 @@ class Calibration:
         Weakest directions: singular value (prior deviations over noise) and the coefficients in it.
     details : dict
         ``sigma_m_s2`` of one sample, ``interval_s``, ``missing`` samples, batch ``steps``, ``cost``, ``observations``.
+
+    Examples
+    --------
+    >>> import stillrate as sr
+    >>> command = sr.gimbal.trajectory()
+    >>> samples = sr.gimbal.simulate(sr.gimbal.draw(seed=1), command, sigma_m_s2=1e-6, seed=2)
+    >>> samples[1000, 0] = float("nan")
+    >>> found = sr.gimbal.calibrate(command, samples, 0.25)
+    >>> sorted(found.flags)
+    ['missing', 'tho_x', 'tho_y', 'thp_x']
+    >>> found.flags["thp_x"], found["thp_x"]
+    ('held at zero by the gauge', 0.0)
     """
 
     names: tuple[str, ...]
@@ -154,6 +177,10 @@ def calibrate(
     )
 
 
+_STANDS_OUT_SIGMA = 5.0
+"""An optional coefficient this many deviations from zero is no accident: as the residual tests raise their alarm."""
+
+
 def _flags(raw: dict[str, Any], places: list[int]) -> dict[str, str]:
     """Put what went wrong into words."""
     flags = {NAMES[i]: "held at zero by the gauge" for i in places if i not in raw["indices"]}
@@ -170,6 +197,6 @@ def _flags(raw: dict[str, Any], places: list[int]) -> dict[str, str]:
             f"({tests['mean_square_sigma']:+.1f} sigma), correlation {tests['correlation_sigma']:.1f} sigma"
         )
     for name, value, deviation, ratio in raw["hidden"]:
-        if abs(ratio) > 5.0:
+        if abs(ratio) > _STANDS_OUT_SIGMA:
             flags[f"hidden {name}"] = f"estimated as {value:.3g} +- {deviation:.2g}: switch this state on"
     return flags

@@ -34,6 +34,16 @@ class Bound:
         Weakest directions in words.
     unobservable : tuple of str
         Coefficients whose bound exceeds half their prior deviation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stillrate as sr
+    >>> still = sr.gimbal.bound(np.zeros((400, 3)))
+    >>> "ka0y" in still.unobservable, "ka1x" in still.unobservable  # at rest a bias and a scale error look alike
+    (True, True)
+    >>> bool(still.singular_values[-1] < 1e-6 * still.singular_values[0])
+    True
     """
 
     names: tuple[str, ...]
@@ -62,10 +72,11 @@ def bound(
     Parameters
     ----------
     command_rad_s : array_like, shape (n, 3)
+        Commanded rates in rad/s.
     dt_s : float
         Time for which a command is held, s.
     sigma_m_s2 : float
-        Noise of one sample.
+        Noise of one accelerometer sample.
     half_window : int
         Samples to either side of an epoch that go into its line.
     skip_jumps : bool
@@ -128,6 +139,15 @@ class Plan:
         Rates about the platform axes, a row a segment.
     before, after : dict
         Worst bounds over a typical coefficient in per cent: drift, g_sensitive, kappa, mounting, accelerometer.
+
+    Examples
+    --------
+    >>> import stillrate as sr
+    >>> found = sr.gimbal.plan(segment_s=20.0, moves=0, climbs=1)  # no search: the standard programme, only faster
+    >>> found.segments_deg_s.shape, found.before == found.after
+    ((12, 3), True)
+    >>> sorted(found.after)
+    ['accelerometer', 'drift', 'g_sensitive', 'kappa', 'mounting']
     """
 
     segments_deg_s: Floats
@@ -156,12 +176,37 @@ def plan(
 
     Parameters
     ----------
-    segments_deg_s : array_like, optional
+    segments_deg_s : array_like, shape (segments, 3), optional
         Where to start; by default the standard programme.
+    rate_max_deg_s, slew_deg_s2 : float
+        Limits about each axis.
+    segment_s, dt_s : float
+        Length of a segment and time for which a command is held, s.
+    sigma_m_s2 : float
+        Noise of one accelerometer sample.
+    half_window : int
+        Samples to either side of an epoch that go into its line.
     moves, climbs : int
         Moves of each climb; the first climb starts from the given table, the others from random ones.
     kappa_weight : float
         How much kappa counts against the worst other bound.
+    seed : int
+        Of the moves: the same seed finds the same trajectory.
+    head : Head, optional
+        Place, build and what to estimate.
+
+    Raises
+    ------
+    ConfigError
+        If the start cannot be driven.
+
+    Examples
+    --------
+    >>> import stillrate as sr
+    >>> found = sr.gimbal.plan(segment_s=20.0, moves=8, climbs=1, kappa_weight=0.0)
+    >>> others = [name for name in found.after if name != "kappa"]
+    >>> max(found.after[name] for name in others) <= max(found.before[name] for name in others)
+    True
     """
     segments = None if segments_deg_s is None else rows(segments_deg_s)
     limits = (rate_max_deg_s, slew_deg_s2, segment_s, dt_s)

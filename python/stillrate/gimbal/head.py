@@ -16,6 +16,7 @@ Floats = npt.NDArray[np.float64]
 NAMES: tuple[str, ...] = tuple(_native.gimbal_names())
 """Names of all 41 coefficients in order; the last eight are optional."""
 
+# The coefficients of the basic model; what follows is optional.
 _BASIC = 33
 
 
@@ -56,6 +57,15 @@ class Head:
         History every so many epochs.
     gyro_triads, accelerometer_triads : tuple
         Platform axis (0, 1, 2) of each instrument's input, output, spin (input, pendulous, output) axis.
+
+    Examples
+    --------
+    >>> import stillrate as sr
+    >>> head = sr.gimbal.Head(latitude_rad=0.84, latency=True)
+    >>> head.settings()["latency"], "scale" in head.settings()  # what is not set keeps its default
+    (True, False)
+    >>> len(sr.gimbal.bound(sr.gimbal.trajectory(), head=head).names)  # 30, and the latency
+    31
     """
 
     gravity_m_s2: float = 9.8

@@ -73,9 +73,9 @@ def score(
     (0.0, 0.0)
     """
     indices = [NAMES.index(name) for name in names]
-    rows = np.atleast_2d(np.asarray(estimates, dtype=np.float64))
+    table = np.atleast_2d(np.asarray(estimates, dtype=np.float64))
     found: Floats = _native.gimbal_score(
-        rows, np.asarray(truth, dtype=np.float64).tolist(), np.asarray(deviation, dtype=np.float64), indices
+        table, np.asarray(truth, dtype=np.float64).tolist(), np.asarray(deviation, dtype=np.float64), indices
     )
     return found
 

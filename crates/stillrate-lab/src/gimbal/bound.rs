@@ -6,15 +6,29 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use stillrate::Real;
+use stillrate::gimbal::coefficients::G_INPUT;
 use stillrate::gimbal::window::KINK_RAD_S;
 use stillrate::gimbal::{COUNT, Coefficients, Geometry, Linearisation, Model, NAMES, Record};
 
+use super::score::KAPPA;
 use super::triangle::Triangle;
 
 /// Derivatives of the three outputs at one epoch by attitude at the start and coefficients: SI units, one row an accelerometer.
 pub type Sensitivity = [[f64; COUNT]; 3];
 
-/// Walks along the model trajectory and hands out predicted outputs, attitude and sensitivities at epochs 0..=n.
+/// Walks along the model trajectory and hands out predicted outputs (m/s^2), attitude and sensitivities at epochs 0..=n.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::{COUNT, Model, coefficients::GYRO_BIAS};
+/// use stillrate_lab::gimbal::sensitivities;
+/// let model = Model { earth_rate_rad_s: 0.0, ..Model::new(9.8, 0.7)? };
+/// let mut seen = Vec::new();
+/// sensitivities(&model, &[0.0; COUNT], &[[0.0; 3]; 40], 0.25, |_, _, _, _, rows| seen.push(rows[2][GYRO_BIAS]));
+/// // A drift about x tilts the level platform for 10 s, and accelerometer z feels g times the angle.
+/// assert!(seen.len() == 41 && (seen[40] + 9.8 * 10.0).abs() < 1e-9);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 pub fn sensitivities(
     model: &Model,
     coefficients: &Coefficients,
@@ -62,6 +76,21 @@ pub fn sensitivities(
 }
 
 /// What a trajectory can determine.
+///
+/// # Example
+/// Standing still shows little:
+/// ```
+/// use stillrate::gimbal::{DEFAULT_SCALE, Model, NAMES};
+/// use stillrate_lab::gimbal::{Sampling, Settings, bound};
+/// let settings = Settings::new(Model::new(9.8, 0.7)?);
+/// let still = [[0.0; 3]; 400];
+/// let bound = bound(&settings.model, &[0.0; 41], &DEFAULT_SCALE, &settings.indices()?, &still, &Sampling::default());
+/// let lost = bound.unobservable(&DEFAULT_SCALE);
+/// assert!(lost.len() > 20 && lost.iter().any(|&i| NAMES[i] == "ka1x")); // no gravity along x, no scale error of x
+/// let (singular_value, _) = bound.weakest(1)[0];
+/// assert!(singular_value < 1e-6);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
     /// Cramer-Rao bound (1 sigma, no prior) of every coefficient, SI; NaN where not among the estimated.
@@ -91,15 +120,15 @@ fn from_root(root: &DMatrix<f64>, indices: &[usize], scale: &Coefficients) -> Bo
         }
         let mut kappa = DVector::zeros(n);
         for (at, &index) in indices.iter().enumerate() {
-            if (6..9).contains(&index) {
+            if KAPPA.contains(&index) {
                 kappa += inverse.row(at).transpose() * (scale[index] / 3.0);
             }
         }
         kappa_deviation = kappa.dot(&kappa).root();
         for (at, &index) in indices.iter().enumerate() {
-            if (6..9).contains(&index) {
+            if KAPPA.contains(&index) {
                 let rest = inverse.row(at).transpose() * scale[index] - &kappa;
-                without_kappa[index - 6] = rest.dot(&rest).root();
+                without_kappa[index - G_INPUT] = rest.dot(&rest).root();
             }
         }
     }
@@ -125,6 +154,21 @@ fn variance_factor(half: usize, last: bool) -> f64 {
 }
 
 /// How the measurements of a run come about.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::{DEFAULT_SCALE, Model};
+/// use stillrate_lab::gimbal::{Sampling, Settings, Trajectory, bound};
+/// let settings = Settings::new(Model::new(9.8, 0.7)?);
+/// let commands = Trajectory::default().commands(&settings.model)?;
+/// let drift = |sampling: Sampling| -> Result<f64, stillrate::ConfigError> {
+///     Ok(bound(&settings.model, &[0.0; 41], &DEFAULT_SCALE, &settings.indices()?, &commands, &sampling).deviation[3])
+/// };
+/// let lines = drift(Sampling::default())?; // five samples into each line
+/// let single = drift(Sampling { half_window: 0, ..Sampling::default() })?;
+/// assert!((single / lines - 5_f64.sqrt()).abs() < 0.01);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Time for which a command is held, s.

@@ -10,9 +10,8 @@ use stillrate::Real;
 use stillrate::gimbal::coefficients::{
     FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, G_OUTPUT, G_SPIN, GYRO_ABOUT_OUTPUT, GYRO_ABOUT_SPIN,
 };
-use stillrate::gimbal::geometry::{force_axis, gyro_axes};
 use stillrate::gimbal::rotation::logarithm;
-use stillrate::gimbal::{Coefficients, Gauge, Linearisation, Triads};
+use stillrate::gimbal::{Coefficients, ForceAxis, Gauge, GyroAxes, Linearisation, Triads};
 
 /// arcsin by the quotient of the core.
 fn arc_sine(x: f64) -> f64 {
@@ -49,11 +48,12 @@ fn aligning(x: &Vector3<f64>, y: &Vector3<f64>, first: usize, second: usize) -> 
 /// ```
 #[must_use]
 pub fn to_gauge(x: &Coefficients, gauge: Gauge, triads: &Triads) -> Coefficients {
-    let gyros: Vec<_> =
-        (0..3).map(|i| gyro_axes(&triads.gyro[i], x[GYRO_ABOUT_OUTPUT + i], x[GYRO_ABOUT_SPIN + i])).collect();
-    let forces: Vec<_> = (0..3)
-        .map(|i| force_axis(&triads.accelerometer[i], x[FORCE_ABOUT_PENDULOUS + i], x[FORCE_ABOUT_OUTPUT + i]))
-        .collect();
+    let axes_of_gyro =
+        |x: &Coefficients, i: usize| GyroAxes::new(&triads.gyro[i], x[GYRO_ABOUT_OUTPUT + i], x[GYRO_ABOUT_SPIN + i]);
+    let gyros: [GyroAxes; 3] = core::array::from_fn(|i| axes_of_gyro(x, i));
+    let forces: [ForceAxis; 3] = core::array::from_fn(|i| {
+        ForceAxis::new(&triads.accelerometer[i], x[FORCE_ABOUT_PENDULOUS + i], x[FORCE_ABOUT_OUTPUT + i])
+    });
     let q = match gauge {
         Gauge::Accelerometer => {
             aligning(&forces[0].input, &forces[1].input, triads.accelerometer[0][0], triads.accelerometer[1][0])
@@ -77,7 +77,7 @@ pub fn to_gauge(x: &Coefficients, gauge: Gauge, triads: &Triads) -> Coefficients
         y[FORCE_ABOUT_OUTPUT + i] = input[pendulous].angle_over(input[along]);
         // The g-sensitive terms along output and spin axis keep their vector: kgO O' + kgS S' across the turned input axis.
         let across = q * (gyros[i].output * x[G_OUTPUT + i] + gyros[i].spin * x[G_SPIN + i]);
-        let turned = gyro_axes(&triads.gyro[i], y[GYRO_ABOUT_OUTPUT + i], y[GYRO_ABOUT_SPIN + i]);
+        let turned = axes_of_gyro(&y, i);
         y[G_OUTPUT + i] = across.dot(&turned.output);
         y[G_SPIN + i] = across.dot(&turned.spin);
     }

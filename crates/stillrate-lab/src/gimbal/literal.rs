@@ -7,22 +7,23 @@
 
 use nalgebra::{Matrix3, Vector3};
 use stillrate::Real;
-use stillrate::gimbal::norm_loop::{NORM_COUNT, NORM_INDICES};
+use stillrate::gimbal::coefficients::{
+    FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, FORCE_BIAS, FORCE_SCALE, G_INPUT, G_OUTPUT, G_SPIN, GYRO_ABOUT_OUTPUT,
+    GYRO_ABOUT_SPIN, GYRO_BIAS,
+};
 use stillrate::gimbal::rotation::exponential;
 use stillrate::gimbal::window::commanded;
-use stillrate::gimbal::{Carried, Coefficients, Factor, Model, Record};
+use stillrate::gimbal::{Carried, Coefficients, Factor, Model, NORM_COUNT, NORM_INDICES, Record, TILT_COUNT};
 
-const TILT_COUNT: usize = 21;
+use super::settings::Settings;
 
 /// Runs both loops over a record; `observe(epochs, coefficients)` after every epoch.
-#[must_use]
-pub fn literal_angle(
-    model: &Model,
+pub(super) fn literal_angle(
     record: &Record<'_>,
-    prior: &Coefficients,
-    scale: &Coefficients,
+    settings: &Settings,
     mut observe: impl FnMut(usize, &Coefficients),
 ) -> Coefficients {
+    let Settings { model, prior, scale, .. } = settings;
     let earth_rate = model.earth_rate();
     let (g, dt) = (model.gravity_m_s2, record.interval_s());
     let mut x = *prior;
@@ -51,7 +52,10 @@ pub fn literal_angle(
 
 /// ka0 + ka1.*f + tho_i f_{i+1} - thp_i f_{i+2}.
 fn accelerometer_error(x: &Coefficients, f: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::from_fn(|i, _| x[21 + i] + x[24 + i] * f[i] + x[30 + i] * f[(i + 1) % 3] - x[27 + i] * f[(i + 2) % 3])
+    Vector3::from_fn(|i, _| {
+        let (p, o) = (f[(i + 1) % 3], f[(i + 2) % 3]);
+        x[FORCE_BIAS + i] + x[FORCE_SCALE + i] * f[i] + x[FORCE_ABOUT_OUTPUT + i] * p - x[FORCE_ABOUT_PENDULOUS + i] * o
+    })
 }
 
 fn propagate(
@@ -71,9 +75,16 @@ fn propagate(
     let mut phi = transition * Vector3::new(x[0], x[1], x[2]);
     for i in 0..3 {
         let (o, s) = ((i + 1) % 3, (i + 2) % 3);
-        let factors = [1.0, f[i], f[o], f[s], command[s], -command[o]];
-        for (group, value) in factors.into_iter().enumerate() {
-            let at = 3 + 3 * group + i;
+        let groups = [
+            (GYRO_BIAS, 1.0),
+            (G_INPUT, f[i]),
+            (G_OUTPUT, f[o]),
+            (G_SPIN, f[s]),
+            (GYRO_ABOUT_OUTPUT, command[s]),
+            (GYRO_ABOUT_SPIN, -command[o]),
+        ];
+        for (first, value) in groups {
+            let at = first + i;
             let column = half.column(i) * (dt * value);
             phi += column * x[at];
             for r in 0..3 {
@@ -133,10 +144,10 @@ fn correct_accelerometer(
         let mut innovation = (z[i] - predicted[i]) * weight;
         for (at, index) in NORM_INDICES.into_iter().enumerate() {
             let derivative = match index {
-                _ if index == 21 + i => 1.0,
-                _ if index == 24 + i => f[i],
-                _ if index == 27 + i => -f[(i + 2) % 3],
-                _ if index == 30 + i => f[(i + 1) % 3],
+                _ if index == FORCE_BIAS + i => 1.0,
+                _ if index == FORCE_SCALE + i => f[i],
+                _ if index == FORCE_ABOUT_PENDULOUS + i => -f[(i + 2) % 3],
+                _ if index == FORCE_ABOUT_OUTPUT + i => f[(i + 1) % 3],
                 _ => 0.0,
             };
             row[at] = derivative * scale[index] * weight;

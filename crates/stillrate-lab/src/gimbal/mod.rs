@@ -22,32 +22,33 @@
 //!   filter was not told of (eight times the error). Torquer errors, latency, latitude, quadratic terms and larger walks are noticed in every
 //!   draw, and their states find them.
 
-pub mod batch;
-pub mod bound;
-pub mod calibrate;
-pub mod gauge;
-pub mod hidden;
-pub mod literal;
-pub mod plan;
-pub mod prepare;
-pub mod residuals;
-pub mod score;
-pub mod settings;
-pub mod simulate;
-pub mod study;
-pub mod trajectory;
-pub mod triangle;
+mod batch;
+mod bound;
+mod calibrate;
+mod gauge;
+mod hidden;
+mod literal;
+mod outcome;
+mod plan;
+mod prepare;
+mod residuals;
+mod score;
+mod settings;
+mod simulate;
+mod study;
+mod trajectory;
+mod triangle;
 
-pub use batch::{Batch, batch};
-pub use bound::{Bound, Sampling, bound, sensitivities};
-pub use calibrate::{History, Outcome, calibrate};
+pub use bound::{Bound, Sampling, Sensitivity, bound, sensitivities};
+pub use calibrate::calibrate;
 pub use gauge::to_gauge;
-pub use hidden::hidden;
+pub use hidden::{Hidden, hidden};
+pub use outcome::{History, Outcome};
 pub use plan::{Figures, Search, figures, plan};
 pub use prepare::{LogError, Prepared, prepare};
-pub use residuals::{ResidualTests, Residuals};
-pub use score::{Score, score, settling_time};
+pub use residuals::ResidualTests;
+pub use score::{Score, score};
 pub use settings::{Method, Settings};
 pub use simulate::{Disturbance, disturb, draw, outputs};
-pub use study::{Draw, Start, Study, run_draw, run_study};
+pub use study::{Draw, Start, Study, run_study};
 pub use trajectory::{DEFAULT_SEGMENTS, Trajectory};

@@ -7,17 +7,31 @@
 
 use rayon::prelude::*;
 use stillrate::ConfigError;
-use stillrate::gimbal::{Coefficients, Model};
+use stillrate::gimbal::coefficients::{FORCE_BIAS, G_INPUT, G_OUTPUT, GYRO_ABOUT_OUTPUT, GYRO_BIAS, TORQUER};
+use stillrate::gimbal::{COUNT, Coefficients, Model};
 
 use super::bound::{Bound, Sampling, bound};
+use super::score::KAPPA;
 use super::trajectory::Trajectory;
 use crate::random::{Generator, Random};
 
 /// Typical size of a coefficient over its scale: the mean of a uniform draw from 0.3 to 1.
-pub const TYPICAL: f64 = 0.65;
+const TYPICAL: f64 = 0.65;
 
 /// Relative bounds of one trajectory, per cent of a typical coefficient.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::{DEFAULT_SCALE, Model};
+/// use stillrate_lab::gimbal::{Figures, Sampling, Settings, Trajectory, bound, figures};
+/// let settings = Settings::new(Model::new(9.8, 0.7)?);
+/// let commands = Trajectory::default().commands(&settings.model)?;
+/// let bound = bound(&settings.model, &[0.0; 41], &DEFAULT_SCALE, &settings.indices()?, &commands, &Sampling::default());
+/// let Figures { drift, g_sensitive, kappa, .. } = figures(&bound, &DEFAULT_SCALE);
+/// assert!(drift < 0.03 && g_sensitive < 0.03 && kappa > 0.2); // kappa shows through the Earth rate only
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Figures {
     /// Worst gyro drift.
     pub drift: f64,
@@ -33,28 +47,58 @@ pub struct Figures {
 
 impl Figures {
     /// The worst of all but kappa.
-    #[must_use]
-    pub fn worst(&self) -> f64 {
+    fn worst(&self) -> f64 {
         [self.drift, self.g_sensitive, self.mounting, self.accelerometer].into_iter().fold(0.0, f64::max)
     }
 }
 
 /// Figures of a bound.
+///
+/// # Example
+/// Five times the noise, five times the bound:
+/// ```
+/// use stillrate::gimbal::{DEFAULT_SCALE, Model};
+/// use stillrate_lab::gimbal::{Sampling, Settings, Trajectory, bound, figures};
+/// let settings = Settings::new(Model::new(9.8, 0.7)?);
+/// let commands = Trajectory::default().commands(&settings.model)?;
+/// let drift = |sigma_m_s2| -> Result<f64, stillrate::ConfigError> {
+///     let sampling = Sampling { sigma_m_s2, ..Sampling::default() };
+///     let bound = bound(&settings.model, &[0.0; 41], &DEFAULT_SCALE, &settings.indices()?, &commands, &sampling);
+///     Ok(figures(&bound, &DEFAULT_SCALE).drift)
+/// };
+/// assert!((drift(5e-6)? / drift(1e-6)? - 5.0).abs() < 1e-9);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[must_use]
 pub fn figures(bound: &Bound, scale: &Coefficients) -> Figures {
     let relative = |i: usize| 100.0 * bound.deviation[i] / (TYPICAL * scale[i]);
     let worst = |range: core::ops::Range<usize>| range.map(relative).filter(|x| !x.is_nan()).fold(0.0_f64, f64::max);
-    let deviatoric = (6..9).map(|i| 100.0 * bound.without_kappa[i - 6] / (TYPICAL * scale[i])).fold(0.0_f64, f64::max);
+    let deviatoric =
+        KAPPA.map(|i| 100.0 * bound.without_kappa[i - G_INPUT] / (TYPICAL * scale[i])).fold(0.0_f64, f64::max);
     Figures {
-        drift: worst(3..6),
-        g_sensitive: deviatoric.max(worst(9..15)),
-        kappa: 100.0 * bound.kappa_deviation / (TYPICAL * scale[6]),
-        mounting: worst(15..21),
-        accelerometer: worst(21..33),
+        drift: worst(GYRO_BIAS..G_INPUT),
+        g_sensitive: deviatoric.max(worst(G_OUTPUT..GYRO_ABOUT_OUTPUT)),
+        kappa: 100.0 * bound.kappa_deviation / (TYPICAL * scale[G_INPUT]),
+        mounting: worst(GYRO_ABOUT_OUTPUT..FORCE_BIAS),
+        accelerometer: worst(FORCE_BIAS..TORQUER),
     }
 }
 
 /// Settings of the search.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::gimbal::{Search, Trajectory};
+/// let slow = Search {
+///     start: Trajectory { segment_s: 150.0, ..Trajectory::default() }, // half an hour
+///     rate_max_deg_s: 0.5,
+///     moves: 200,
+///     climbs: 4,
+///     kappa_weight: 0.1,
+///     seed: 1,
+/// };
+/// assert_eq!(slow.start.segments_deg_s.len() as f64 * slow.start.segment_s, 1800.0);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
     /// Where to start; its segment length, slew and interval hold throughout.
@@ -75,6 +119,23 @@ pub struct Search {
 ///
 /// # Errors
 /// [`ConfigError`] if the starting trajectory cannot be used.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::{DEFAULT_SCALE, Model};
+/// use stillrate_lab::gimbal::{Sampling, Search, Settings, Trajectory, plan};
+/// let settings = Settings::new(Model::new(9.8, 0.7)?);
+/// let start = Trajectory { segment_s: 20.0, ..Trajectory::default() };
+/// let mut search = Search { start, rate_max_deg_s: 1.0, moves: 0, climbs: 1, kappa_weight: 0.0, seed: 1 };
+/// let worst = |search: &Search| -> Result<f64, stillrate::ConfigError> {
+///     let (_, f) = plan(&settings.model, &DEFAULT_SCALE, &settings.indices()?, &Sampling::default(), search)?;
+///     Ok(f.drift.max(f.g_sensitive).max(f.mounting).max(f.accelerometer))
+/// };
+/// let before = worst(&search)?;
+/// search.moves = 8;
+/// assert!(worst(&search)? < before);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 pub fn plan(
     model: &Model,
     scale: &Coefficients,
@@ -83,13 +144,10 @@ pub fn plan(
     search: &Search,
 ) -> Result<(Trajectory, Figures), ConfigError> {
     search.start.commands(model)?;
-    let zero = [0.0; stillrate::gimbal::COUNT];
+    let zero = [0.0; COUNT];
     let rate = |trajectory: &Trajectory| -> (f64, Figures) {
         let Ok(commands) = trajectory.commands(model) else {
-            return (
-                f64::INFINITY,
-                Figures { drift: 0.0, g_sensitive: 0.0, kappa: 0.0, mounting: 0.0, accelerometer: 0.0 },
-            );
+            return (f64::INFINITY, Figures::default());
         };
         let figures = figures(&bound(model, &zero, scale, indices, &commands, sampling), scale);
         let value = figures.worst().max(search.kappa_weight * figures.kappa);

@@ -8,12 +8,23 @@
 use core::fmt;
 
 use nalgebra::Matrix3;
-use stillrate::gimbal::record::HALF_WINDOW_MAX;
 use stillrate::gimbal::window::KINK_RAD_S;
-use stillrate::gimbal::{Model, Record};
+use stillrate::gimbal::{COMMAND_MAX_RAD_S, HALF_WINDOW_MAX, Model, Record};
 use stillrate::{ConfigError, Real};
 
 /// A record that owns its data.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::Model;
+/// use stillrate_lab::gimbal::prepare;
+/// let mut samples = vec![[0.0, 9.8, 0.0]; 21];
+/// samples[7][1] = 98.0; // ten times gravity
+/// let prepared = prepare(&Model::new(9.8, 0.7)?, &[[0.01, 0.0, 0.0]; 4], &samples, 0.25, Some(1e-6))?;
+/// assert!(prepared.missing == 1 && prepared.samples[7][1].is_nan());
+/// assert_eq!(prepared.record()?.epochs(), 4);
+/// # Ok::<(), stillrate_lab::gimbal::LogError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prepared {
     /// Commands, rad/s.
@@ -29,6 +40,17 @@ pub struct Prepared {
 }
 
 /// Why a log cannot be calibrated from.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::Model;
+/// use stillrate_lab::gimbal::{LogError, prepare};
+/// let model = Model::new(9.8, 0.7)?;
+/// let in_g = vec![[0.0, 1.0, 0.0]; 22];
+/// let error = prepare(&model, &[[0.0; 3]; 4], &in_g, 0.25, Some(1e-6)).unwrap_err();
+/// assert!(matches!(&error, LogError::Data(text) if text.contains("22 accelerometer samples do not fit 4 commands")));
+/// # Ok::<(), LogError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum LogError {
     /// A setting or a length does not fit.
@@ -54,15 +76,27 @@ impl From<ConfigError> for LogError {
     }
 }
 
-/// A command beyond this cannot be meant for a calibration, rad/s.
-const COMMAND_MAX_RAD_S: f64 = 10.0;
 /// More missing samples than this share and the log is refused.
 const MISSING_MAX: f64 = 0.5;
 
-/// Checks and arranges a log. `dt_s` is the time for which a command is held; `sigma_m_s2` is found from the data if not given.
+/// Checks and arranges a log: commands in rad/s, each held for `dt_s` seconds, and accelerometer samples in m/s^2, whose noise `sigma_m_s2` is found
+/// from the data if not given.
 ///
 /// # Errors
 /// [`LogError`] saying what is wrong and where.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::{DEFAULT_SCALE, Model};
+/// use stillrate_lab::gimbal::{Disturbance, Trajectory, disturb, draw, outputs, prepare};
+/// let model = Model::new(9.8, 0.7)?;
+/// let commands = Trajectory::default().commands(&model)?;
+/// let clean = outputs(&model, &draw(&DEFAULT_SCALE, 1.0, 1), &commands, 0.25, 5, 1, 0.0, 1);
+/// let samples = disturb(&clean, &Disturbance { sigma_m_s2: 3e-6, ..Disturbance::default() }, 2)?;
+/// let prepared = prepare(&model, &commands, &samples, 0.25, None)?;
+/// assert!((prepared.sigma_m_s2 / 3e-6 - 1.0).abs() < 0.03); // found
+/// # Ok::<(), stillrate_lab::gimbal::LogError>(())
+/// ```
 pub fn prepare(
     model: &Model,
     commands: &[[f64; 3]],

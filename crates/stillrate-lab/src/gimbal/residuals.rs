@@ -7,17 +7,33 @@
 
 use nalgebra::Vector3;
 use stillrate::Real;
-use stillrate::gimbal::relinearised::SPOILT_SIGMA;
 use stillrate::gimbal::window::against_model;
-use stillrate::gimbal::{Coefficients, Geometry, Innovation, Linearisation, Model, Record};
+use stillrate::gimbal::{Coefficients, Geometry, Innovation, Linearisation, Model, Record, SPOILT_SIGMA};
 
 /// Normalised innovations in time order.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Residuals {
+pub(super) struct Residuals {
     normalised: Vec<[f64; 3]>,
 }
 
 /// Result of the tests.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::gimbal::ResidualTests;
+/// let white = ResidualTests {
+///     mean_square: 1.01,
+///     mean_square_sigma: 0.7,
+///     correlation: [0.01, -0.02, 0.0],
+///     correlation_sigma: 1.2,
+///     skipped: 0.0,
+///     outliers: 0.001,
+///     diverged: false,
+/// };
+/// assert!(!white.alarm());
+/// assert!(ResidualTests { correlation_sigma: 8.0, ..white }.alarm()); // each residual knows the one before: something is not modelled
+/// assert!(!ResidualTests { mean_square: 0.5, mean_square_sigma: -30.0, ..white }.alarm()); // too small is no harm
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResidualTests {
     /// Mean of the normalised squared innovations; 1 is right.
@@ -44,21 +60,16 @@ const LIMIT: f64 = 3.0;
 /// More outliers than this are not a matter of spikes: five per cent of spiked samples spoil about one window in a hundred.
 const OUTLIERS_MAX: f64 = 0.02;
 /// Deviations beyond which a test counts as failed: one false alarm in 3.5 million runs.
-pub const ALARM_SIGMA: f64 = 5.0;
+const ALARM_SIGMA: f64 = 5.0;
 
 impl Residuals {
     /// Adds one epoch.
-    pub fn push(&mut self, innovations: &[Innovation; 3]) {
-        self.normalised.push(innovations.map(
-            |i| {
-                if i.variance > 0.0 { i.value / i.variance.root() } else { f64::NAN }
-            },
-        ));
+    pub(super) fn push(&mut self, innovations: &[Innovation; 3]) {
+        self.normalised.push(innovations.map(|innovation| innovation.normalised()));
     }
 
     /// Residuals of a whole record against a solution (attitude at the start): unlike innovations they do not depend on the prior.
-    #[must_use]
-    pub fn of_solution(model: &Model, record: &Record<'_>, solution: &Coefficients, robust: bool) -> Self {
+    pub(super) fn of_solution(model: &Model, record: &Record<'_>, solution: &Coefficients, robust: bool) -> Self {
         let geometry = Geometry::new(model, solution);
         let mut rotation = Linearisation::of(solution).rotation;
         let mut residuals = Self::default();
@@ -74,14 +85,12 @@ impl Residuals {
     }
 
     /// Whether there is nothing to test.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.normalised.is_empty()
     }
 
     /// Runs the tests; `fitted` coefficients were taken out of the residuals (0 for innovations).
-    #[must_use]
-    pub fn test(&self, interval_s: f64, fitted: usize) -> ResidualTests {
+    pub(super) fn test(&self, interval_s: f64, fitted: usize) -> ResidualTests {
         let all = (self.normalised.len() * 3) as f64;
         // A few windows spoilt by spikes are not a wrong model; many are, and the share below says so.
         let calm = |x: &f64| x.abs() <= SPOILT_SIGMA;

@@ -1,9 +1,20 @@
 //! Methods and settings of a calibration on a desk.
 
 use stillrate::ConfigError;
-use stillrate::gimbal::{COUNT, Coefficients, DEFAULT_SCALE, Gauge, Model, Options, Reference, Selection};
+use stillrate::gimbal::coefficients::{GYRO_ABOUT_OUTPUT, GYRO_BIAS};
+use stillrate::gimbal::{
+    COUNT, Coefficients, DEFAULT_SCALE, Gauge, Model, Options, Reference, SECOND_ORDER, Selection,
+};
 
 /// How to calibrate.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::gimbal::Method;
+/// assert_eq!(Method::named("on-line"), Some(Method::OnLine));
+/// assert_eq!(Method::named("online"), None);
+/// assert!(Method::NAMED.iter().all(|&(name, method)| Method::named(name) == Some(method)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Recursive Gauss-Newton (recommended).
@@ -42,6 +53,18 @@ impl Method {
 }
 
 /// Everything about a calibration but the record.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::{Model, NAMES, Options};
+/// use stillrate_lab::gimbal::Settings;
+/// let place = Settings::new(Model::new(9.8, 0.7)?);
+/// // A head whose gyros drift by a degree an hour, and whose clock is not to be trusted.
+/// let poor = Settings { options: Options { latency: true, ..Options::default() }, ..place.with_gyro_scale(10.0) };
+/// assert!((poor.scale[3] / place.scale[3] - 10.0).abs() < 1e-12 && poor.scale[21] == place.scale[21]);
+/// assert_eq!(poor.indices()?.last().map(|&i| NAMES[i]), Some("latency"));
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Place and arrangement.
@@ -82,7 +105,7 @@ impl Settings {
             prior: [0.0; COUNT],
             reference: Reference::Model,
             robust: true,
-            second_order: stillrate::gimbal::joint::SECOND_ORDER,
+            second_order: SECOND_ORDER,
             angle_random_walk_deg_sqrt_h: 0.0,
             cut_off_rad: 0.0,
             single: false,
@@ -93,7 +116,7 @@ impl Settings {
     /// Prior deviations of the gyro drifts and their g-sensitive parts times a factor.
     #[must_use]
     pub fn with_gyro_scale(mut self, factor: f64) -> Self {
-        self.scale[3..15].iter_mut().for_each(|s| *s *= factor);
+        self.scale[GYRO_BIAS..GYRO_ABOUT_OUTPUT].iter_mut().for_each(|s| *s *= factor);
         self
     }
 

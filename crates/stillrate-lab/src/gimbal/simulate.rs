@@ -6,15 +6,22 @@
 //! spikes, quantisation, loss.
 
 use nalgebra::{Matrix3, Vector3};
-use stillrate::ConfigError;
-use stillrate::Real;
 use stillrate::error::not_negative;
-use stillrate::gimbal::coefficients::LATENCY;
-use stillrate::gimbal::{Coefficients, Geometry, Linearisation, Model};
+use stillrate::gimbal::coefficients::{GYRO_ABOUT_OUTPUT, GYRO_BIAS, LATENCY, TORQUER};
+use stillrate::gimbal::{COUNT, Coefficients, Gauge, Geometry, Linearisation, Model, Triads};
+use stillrate::{ConfigError, Real};
 
 use crate::random::{Generator, Random};
 
 /// What happens besides the coefficients.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::gimbal::{Disturbance, disturb};
+/// let coarse = Disturbance { quantisation_m_s2: 0.5, ..Disturbance::default() };
+/// assert_eq!(disturb(&[[0.1, 9.8, -0.3]], &coarse, 1)?, [[0.0, 10.0, -0.5]]);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
     /// White noise of one accelerometer sample, m/s^2.
@@ -72,7 +79,7 @@ fn runge_kutta(
     r + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)
 }
 
-/// Accelerometer outputs of a run without measurement noise: n commands give n `per_interval` + 1 samples. The latency
+/// Accelerometer outputs (m/s^2) of a run without measurement noise: n commands (rad/s) give n `per_interval` + 1 samples. The latency
 /// among the coefficients makes every sample older than it claims.
 ///
 /// # Example
@@ -131,10 +138,23 @@ pub fn outputs(
     samples
 }
 
-/// Adds noise, spikes, quantisation and loss to clean outputs.
+/// Adds noise, spikes, quantisation and loss to clean outputs (m/s^2); the same seed gives the same disturbance.
 ///
 /// # Errors
 /// [`ConfigError`] if a setting is negative.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::gimbal::{Disturbance, disturb};
+/// let clean = vec![[0.0, 9.8, 0.0]; 1000];
+/// let noisy = disturb(&clean, &Disturbance::default(), 1)?;
+/// let lossy = disturb(&clean, &Disturbance { loss_probability: 0.1, ..Disturbance::default() }, 1)?;
+/// let lost = lossy.iter().flatten().filter(|x| x.is_nan()).count();
+/// assert!((250..350).contains(&lost));
+/// // What is not lost is as noisy as before.
+/// assert!(lossy.iter().flatten().zip(noisy.iter().flatten()).all(|(a, b)| a.is_nan() || a == b));
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 pub fn disturb(clean: &[[f64; 3]], disturbance: &Disturbance, seed: u64) -> Result<Vec<[f64; 3]>, ConfigError> {
     let d = disturbance;
     not_negative("sigma_m_s2", d.sigma_m_s2, "m/s^2")?;
@@ -163,15 +183,26 @@ pub fn disturb(clean: &[[f64; 3]], disturbance: &Disturbance, seed: u64) -> Resu
 
 /// A draw of true coefficients: uniform 0.3..1 times the scale with random sign, in the accelerometer gauge; the drifts and g-sensitive
 /// terms times `gyro_factor` (1: 0.03 to 0.1 deg/h). Optional coefficients are 0.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::{DEFAULT_SCALE, coefficients::TORQUER};
+/// use stillrate_lab::gimbal::draw;
+/// let truth = draw(&DEFAULT_SCALE, 1.0, 7);
+/// let drift_deg_h = truth[3].abs().to_degrees() * 3600.0;
+/// assert!((0.03..0.1).contains(&drift_deg_h) && truth[TORQUER] == 0.0);
+/// assert_eq!(draw(&DEFAULT_SCALE, 10.0, 7)[3], 10.0 * truth[3]); // the same head, drifting ten times as much
+/// ```
 #[must_use]
 pub fn draw(scale: &Coefficients, gyro_factor: f64, seed: u64) -> Coefficients {
     let mut random = Random::new(seed, 5);
-    let mut x = [0.0; stillrate::gimbal::COUNT];
-    for i in 0..33 {
+    let held = Gauge::Accelerometer.fixed(&Triads::default()).unwrap_or_default();
+    let mut x = [0.0; COUNT];
+    for i in 0..TORQUER {
         let size = scale[i] * (0.3 + 0.7 * random.uniform());
         let sign = if random.uniform() < 0.5 { -1.0 } else { 1.0 };
-        let factor = if (3..15).contains(&i) { gyro_factor } else { 1.0 };
-        x[i] = if [27, 30, 31].contains(&i) { 0.0 } else { sign * size * factor };
+        let factor = if (GYRO_BIAS..GYRO_ABOUT_OUTPUT).contains(&i) { gyro_factor } else { 1.0 };
+        x[i] = if held.contains(&i) { 0.0 } else { sign * size * factor };
     }
     x
 }

@@ -5,19 +5,36 @@
 //! says nothing; both are kept.
 
 use rayon::prelude::*;
-use stillrate::gimbal::{COUNT, Coefficients, Model, Record};
+use stillrate::gimbal::coefficients::{GYRO_BIAS, TORQUER};
+use stillrate::gimbal::{COUNT, Coefficients, DEFAULT_SCALE, Model, Record};
 use stillrate::{ConfigError, Real};
 
 use super::bound::{Bound, Sampling, bound};
-use super::calibrate::{Outcome, calibrate};
+use super::calibrate::calibrate;
+use super::outcome::Outcome;
 use super::residuals::ResidualTests;
-use super::score::{Score, score, settling_time};
+use super::score::{KAPPA, Score, mean_kappa, score, settling_time};
 use super::settings::{Method, Settings};
 use super::simulate::{Disturbance, disturb, draw, outputs};
 use super::trajectory::Trajectory;
 use crate::random::Random;
 
 /// Where the estimate starts.
+///
+/// # Example
+/// Whether a method depends on it is what a study of the same seeds shows:
+/// ```
+/// use stillrate::gimbal::Model;
+/// use stillrate_lab::gimbal::{Start, Study, Trajectory, run_study};
+/// let mut study = Study::new(Model::new(9.8, 0.7)?);
+/// study.trajectory = Trajectory { segment_s: 20.0, ..Trajectory::default() };
+/// let from_zero = run_study(&study, &[1])?;
+/// study.start = Start::Half;
+/// let from_half = run_study(&study, &[1])?;
+/// let (a, b) = (&from_zero[0].outcome, &from_half[0].outcome);
+/// assert!((a.coefficients[21] - b.coefficients[21]).abs() < 0.1 * a.deviation[21]);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
     /// (1) and (4): zero.
@@ -29,6 +46,18 @@ pub enum Start {
 }
 
 /// What a study runs.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::{Model, coefficients::TORQUER};
+/// use stillrate_lab::gimbal::{Method, Study, run_study};
+/// let mut study = Study::new(Model::new(9.8, 0.7)?);
+/// study.method = Method::OnLine;
+/// study.extra[TORQUER] = 1e-4; // an effect that the estimator is not told of
+/// let draws = run_study(&study, &[1])?;
+/// assert!(draws[0].tests.unwrap().alarm()); // and that its residuals show
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
     /// Method.
@@ -70,6 +99,17 @@ impl Study {
 }
 
 /// Result of one draw.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::Model;
+/// use stillrate_lab::gimbal::{Draw, Study, run_study};
+/// let draws = run_study(&Study::new(Model::new(9.8, 0.7)?), &[1])?;
+/// let Draw { score, settling_s, .. } = &draws[0];
+/// assert!(score.other < 2e-3 && (0.3..3.0).contains(&score.over_bound));
+/// assert!(settling_s[0] < settling_s[1]); // 1 % before 0.2 %
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draw {
     /// Truth.
@@ -116,12 +156,9 @@ fn whitened_error(bound: &Bound, error: &Coefficients, scale: &Coefficients) -> 
 }
 
 /// One draw of a study.
-///
-/// # Errors
-/// [`ConfigError`] if settings do not fit.
-pub fn run_draw(study: &Study, seed: u64) -> Result<Draw, ConfigError> {
+fn run_draw(study: &Study, seed: u64) -> Result<Draw, ConfigError> {
     let model = &study.settings.model;
-    let mut truth = draw(&stillrate::gimbal::DEFAULT_SCALE, study.gyro_factor, seed);
+    let mut truth = draw(&DEFAULT_SCALE, study.gyro_factor, seed);
     for (t, e) in truth.iter_mut().zip(&study.extra) {
         *t += e;
     }
@@ -133,7 +170,7 @@ pub fn run_draw(study: &Study, seed: u64) -> Result<Draw, ConfigError> {
     let record = Record::new(&commands, &samples, interval_s, study.sigma_m_s2)?;
     let mut settings = study.settings;
     let mut random = Random::new(seed, 9);
-    for i in 3..33 {
+    for i in GYRO_BIAS..TORQUER {
         settings.prior[i] = match study.start {
             Start::Zero => 0.0,
             Start::Half => 0.5 * truth[i],
@@ -153,8 +190,8 @@ pub fn run_draw(study: &Study, seed: u64) -> Result<Draw, ConfigError> {
     let others: Vec<f64> = outcome.history.coefficients.iter().map(|x| of(x).other).collect();
     let settling_s = [0.01, 0.002, 0.0005].map(|limit| settling_time(&outcome.history.time_s, &others, limit));
     let error: Coefficients = core::array::from_fn(|i| outcome.coefficients[i] - truth[i]);
-    let size = (truth[6].magnitude() + truth[7].magnitude() + truth[8].magnitude()) / 3.0;
-    let kappa_of_mean_size = ((error[6] + error[7] + error[8]) / 3.0).magnitude() / size;
+    let size = KAPPA.map(|i| truth[i].magnitude()).sum::<f64>() / 3.0;
+    let kappa_of_mean_size = mean_kappa(&error).magnitude() / size;
     let estimated: Vec<usize> = outcome.indices.iter().copied().filter(|&i| i >= 3).collect();
     let own = estimated.iter().map(|&i| error[i] / outcome.deviation[i]).map(|x| x * x).sum::<f64>();
     let normalised_error = own / estimated.len() as f64;
@@ -164,10 +201,21 @@ pub fn run_draw(study: &Study, seed: u64) -> Result<Draw, ConfigError> {
     Ok(Draw { truth, outcome, bound, score, kappa_of_mean_size, normalised_error, error_over_bound, settling_s, tests })
 }
 
-/// Draws with the given seeds, in their order.
+/// Draws with the given seeds, in their order; they run on all processors, with the same bits on any number of them.
 ///
 /// # Errors
 /// [`ConfigError`] if settings do not fit.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::Model;
+/// use stillrate_lab::gimbal::{Study, Trajectory, run_study};
+/// let mut study = Study::new(Model::new(9.8, 0.7)?);
+/// study.trajectory = Trajectory { segment_s: 20.0, ..Trajectory::default() };
+/// let draws = run_study(&study, &[5, 3])?;
+/// assert_eq!(draws[1].outcome.coefficients, run_study(&study, &[3])?[0].outcome.coefficients);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 pub fn run_study(study: &Study, seeds: &[u64]) -> Result<Vec<Draw>, ConfigError> {
     seeds.par_iter().map(|&seed| run_draw(study, seed)).collect()
 }

@@ -16,18 +16,8 @@ const PARTS: usize = 8;
 type Column = [f64; BLOCK];
 
 /// Accumulates rows into an upper-triangular R.
-///
-/// # Example
-/// ```
-/// use stillrate_lab::gimbal::triangle::Triangle;
-/// let mut triangle = Triangle::new(2);
-/// triangle.push([3.0, 1.0]);
-/// triangle.push([4.0, 1.0]);
-/// let root = triangle.finish();
-/// assert!((root[(0, 0)].abs() - 5.0).abs() < 1e-15);
-/// ```
 #[derive(Clone, Debug)]
-pub struct Triangle {
+pub(super) struct Triangle {
     block: Vec<Column>,
     used: usize,
     root: Vec<Vec<f64>>,
@@ -35,13 +25,12 @@ pub struct Triangle {
 
 impl Triangle {
     /// An empty system with this many columns.
-    #[must_use]
-    pub fn new(columns: usize) -> Self {
+    pub(super) fn new(columns: usize) -> Self {
         Self { block: vec![[0.0; BLOCK]; columns], used: 0, root: vec![vec![0.0; columns]; columns] }
     }
 
     /// Adds a row.
-    pub fn push(&mut self, row: impl IntoIterator<Item = f64>) {
+    pub(super) fn push(&mut self, row: impl IntoIterator<Item = f64>) {
         for (column, value) in self.block.iter_mut().zip(row) {
             column[self.used] = value;
         }
@@ -64,8 +53,7 @@ impl Triangle {
     }
 
     /// R (square, rows of zeros where there were too few rows).
-    #[must_use]
-    pub fn finish(mut self) -> DMatrix<f64> {
+    pub(super) fn finish(mut self) -> DMatrix<f64> {
         if self.used > 0 {
             let used = self.used;
             self.block.iter_mut().for_each(|column| column[used..].fill(0.0));
@@ -121,6 +109,14 @@ fn dot(a: &Column, b: &Column) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn three_and_four_make_five() {
+        let mut triangle = Triangle::new(2);
+        triangle.push([3.0, 1.0]);
+        triangle.push([4.0, 1.0]);
+        assert!((triangle.finish()[(0, 0)].abs() - 5.0).abs() < 1e-15);
+    }
 
     #[test]
     fn has_the_normal_matrix_of_its_rows() {

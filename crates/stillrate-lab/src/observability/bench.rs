@@ -38,6 +38,12 @@ pub fn bench_imu(euler_rad: [f64; 3], latitude_rad: f64, gravity_m_s2: f64) -> D
 }
 
 /// H of a zero-velocity update: the three velocities.
+///
+/// # Example
+/// ```
+/// let measurement = stillrate_lab::observability::bench_measurement();
+/// assert_eq!((measurement.shape(), measurement[(2, 2)], measurement.sum()), ((3, 12), 1.0, 3.0));
+/// ```
 #[must_use]
 pub fn bench_measurement() -> DMatrix<f64> {
     DMatrix::from_fn(3, 12, |i, j| f64::from(u8::from(i == j)))

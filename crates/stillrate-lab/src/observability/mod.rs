@@ -23,6 +23,17 @@ use nalgebra::DMatrix;
 use stillrate::ConfigError;
 
 /// One stretch of constant A and H.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::observability::{Segment, bench_imu, bench_measurement};
+/// // A minute level, a minute on the right side.
+/// let minute = |roll| Segment { dynamics: bench_imu([roll, 0.0, 0.0], 0.8, 9.81), measurement: bench_measurement(), duration_s: 60.0 };
+/// let turned = [minute(0.0), minute(core::f64::consts::FRAC_PI_2)];
+/// // Level, accelerometer z feels what points down; on the side, y does.
+/// assert_eq!(turned[0].dynamics[(2, 11)], 1.0);
+/// assert_eq!(turned[1].dynamics[(2, 10)], 1.0);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
     /// A, n by n, 1/s.
@@ -34,6 +45,24 @@ pub struct Segment {
 }
 
 /// A system, its measurements and what is known beforehand.
+///
+/// # Example
+/// ```
+/// use nalgebra::DMatrix;
+/// use stillrate_lab::observability::{Problem, Segment, observability};
+/// let mut constant = Problem {
+///     segments: vec![Segment { dynamics: DMatrix::zeros(1, 1), measurement: DMatrix::identity(1, 1), duration_s: 9.9 }],
+///     interval_s: 0.1,
+///     measurement_sigma: vec![1.0],
+///     prior_sigma: vec![1.0],
+///     process_density: vec![0.0],
+/// };
+/// // 99 measurements and the prior, each of variance 1: a hundredth of it is left.
+/// assert!((observability(&constant)?.riccati_over_prior[0] - 0.1).abs() < 1e-12);
+/// constant.process_density[0] = 1.0;
+/// assert!(observability(&constant)?.riccati_over_prior[0] > 0.3); // what walks is never known that well
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     /// The stretches, in order.
@@ -49,6 +78,25 @@ pub struct Problem {
 }
 
 /// A direction in state space that the measurements leave uncertain.
+///
+/// # Example
+/// Only the sum of two biases is measured:
+/// ```
+/// use nalgebra::DMatrix;
+/// use stillrate_lab::observability::{Problem, Segment, observability};
+/// let sum = DMatrix::from_row_slice(1, 2, &[1.0, 1.0]);
+/// let report = observability(&Problem {
+///     segments: vec![Segment { dynamics: DMatrix::zeros(2, 2), measurement: sum, duration_s: 10.0 }],
+///     interval_s: 0.1,
+///     measurement_sigma: vec![0.01],
+///     prior_sigma: vec![1.0; 2],
+///     process_density: vec![0.0; 2],
+/// })?;
+/// let weak = &report.weak_directions[0];
+/// assert!((weak.over_prior - 1.0).abs() < 1e-12); // their difference keeps all of its prior
+/// assert!((weak.components[0] + weak.components[1]).abs() < 1e-12);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeakDirection {
     /// Standard deviation after over before, along it.
@@ -57,7 +105,24 @@ pub struct WeakDirection {
     pub components: Vec<f64>,
 }
 
-/// What [`observability`] found.
+/// What [`observability`] found. `riccati_over_prior` is the answer, ranks are a side note.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::observability::{Problem, Segment, bench_imu, bench_measurement, observability};
+/// let level = Segment { dynamics: bench_imu([0.0; 3], 0.8, 9.81), measurement: bench_measurement(), duration_s: 60.0 };
+/// let report = observability(&Problem {
+///     segments: vec![level],
+///     interval_s: 0.5,
+///     measurement_sigma: vec![0.01; 3],
+///     prior_sigma: [[0.1; 3], [0.02; 3], [5e-4; 3], [0.05; 3]].concat(),
+///     process_density: vec![0.0; 12],
+/// })?;
+/// // At rest in one attitude nine of twelve are "observable", but a tilt and the accelerometer bias that looks like it stay.
+/// assert_eq!((report.total_rank, report.weak_directions.len() > 2), (9, true));
+/// assert!(report.riccati_over_prior[9] > 0.3);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     /// Rank of each O_j, prior-scaled.

@@ -12,6 +12,9 @@ pub(super) struct Riccati {
     pub(super) weak_directions: Vec<WeakDirection>,
 }
 
+/// Variance, in units of the prior's, at which a state is down to a tenth of its prior deviation.
+const TENTH: f64 = 0.01;
+
 /// Share of the prior above which a direction counts as weak.
 const WEAK: f64 = 0.5;
 
@@ -43,7 +46,7 @@ pub(super) fn run(problem: &Problem) -> Riccati {
                 measure(&mut covariance, row);
             }
             for (k, when) in tenth_of_prior_s.iter_mut().enumerate() {
-                if when.is_nan() && covariance[(k, k)] <= 0.01 {
+                if when.is_nan() && covariance[(k, k)] <= TENTH {
                     *when = time;
                 }
             }

@@ -20,7 +20,7 @@ pub mod reference_bias;
 pub mod rotation;
 pub mod shortcuts;
 pub mod so3;
-pub mod symmetric;
+mod symmetric;
 
 pub use dcm::{check_dcm, project_to_rotation};
 pub use quaternion::Quaternion;

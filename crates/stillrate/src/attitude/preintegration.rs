@@ -15,12 +15,15 @@ use crate::real::Real;
 /// ```
 /// use nalgebra::Vector3;
 /// use stillrate::attitude::preintegration::Preintegration;
-/// let mut turn = Preintegration::<f64>::new();
+/// let (mut turn, mut scaled) = (Preintegration::<f64>::new(), Preintegration::<f64>::new());
 /// for _ in 0..200 {
 ///     turn.advance(Vector3::new(0.0, 0.0, 0.1), 0.005);
+///     scaled.advance_with_scale(Vector3::new(0.0, 0.0, 0.1), 0.005);
 /// }
 /// assert!((turn.time_s - 1.0).abs() < 1e-14);
 /// assert!((stillrate::attitude::so3::log(&turn.rotation).z - 0.1).abs() < 1e-15);
+/// // A bias about z adds up over the second, a scale error over the 0.1 rad.
+/// assert!((turn.bias_jacobian[(2, 2)] - 1.0).abs() < 1e-14 && (scaled.scale_jacobian[(2, 2)] - 0.1).abs() < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preintegration<T> {
@@ -55,21 +58,25 @@ impl<T: Real> Preintegration<T> {
     /// Adds a stretch of `dt_s` seconds at constant corrected body rate `rate_rad_s` (bias already taken off).
     #[inline]
     pub fn advance(&mut self, rate_rad_s: Vector3<T>, dt_s: T) {
-        let (turn, jacobian) = so3::exp_with_jacobian(&(rate_rad_s * dt_s));
-        self.rotation *= turn;
-        self.bias_jacobian = turn.transpose() * self.bias_jacobian + jacobian * dt_s;
-        self.time_s += dt_s;
+        self.turn(rate_rad_s, dt_s);
     }
 
     /// As [`Preintegration::advance`], and follows the derivative by the three scale factors as well.
     #[inline]
     pub fn advance_with_scale(&mut self, rate_rad_s: Vector3<T>, dt_s: T) {
+        let (turn, jacobian) = self.turn(rate_rad_s, dt_s);
+        let by_scale = jacobian * Matrix3::from_diagonal(&rate_rad_s) * dt_s;
+        self.scale_jacobian = turn.transpose() * self.scale_jacobian + by_scale;
+    }
+
+    /// Rotation, bias and time; returns the turn of the stretch and its right Jacobian.
+    #[inline(always)]
+    fn turn(&mut self, rate_rad_s: Vector3<T>, dt_s: T) -> (Matrix3<T>, Matrix3<T>) {
         let (turn, jacobian) = so3::exp_with_jacobian(&(rate_rad_s * dt_s));
         self.rotation *= turn;
         self.bias_jacobian = turn.transpose() * self.bias_jacobian + jacobian * dt_s;
-        let by_scale = jacobian * Matrix3::from_diagonal(&rate_rad_s) * dt_s;
-        self.scale_jacobian = turn.transpose() * self.scale_jacobian + by_scale;
         self.time_s += dt_s;
+        (turn, jacobian)
     }
 }
 

@@ -13,8 +13,14 @@ use crate::real::Real;
 /// # Example
 /// ```
 /// use stillrate::attitude::Quaternion;
-/// let half_turn = Quaternion::checked([0.0, 0.0, 0.0, 1.0]).unwrap();
+/// let half_turn = Quaternion::checked([0.0, 0.0, 0.0, 1.0])?;
 /// assert_eq!(half_turn.matrix()[(0, 0)], -1.0_f64);
+/// let quarter_turn = Quaternion::checked([core::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, core::f64::consts::FRAC_1_SQRT_2])?;
+/// let three_quarters = half_turn.times(&quarter_turn);
+/// // The long way round is the short way back: a quarter turn about -z.
+/// assert!((three_quarters.log().z + core::f64::consts::FRAC_PI_2).abs() < 1e-15);
+/// assert!(Quaternion::from_matrix(&three_quarters.matrix()).w > 0.0 && three_quarters.w < 0.0); // q and -q are one rotation
+/// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]

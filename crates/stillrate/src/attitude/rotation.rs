@@ -15,6 +15,19 @@ use crate::error::ConfigError;
 use crate::real::Real;
 
 /// A coordinate frame: an empty type.
+///
+/// # Example
+/// A frame of one's own, for a camera on the vehicle:
+/// ```
+/// use stillrate::attitude::{Body, Frame, Rotation};
+/// #[derive(Clone, Copy, Debug)]
+/// struct Camera;
+/// impl Frame for Camera {
+///     const NAME: &'static str = "camera";
+/// }
+/// let looking_down = Rotation::<f64, Camera, Body>::from_euler(0.0, -core::f64::consts::FRAC_PI_2, 0.0);
+/// assert!((looking_down * nalgebra::Vector3::x()).z > 0.999);
+/// ```
 pub trait Frame: Copy + Send + Sync + core::fmt::Debug + 'static {
     /// Its name in error messages and tables.
     const NAME: &'static str;
@@ -35,14 +48,51 @@ macro_rules! frames {
 
 frames! {
     /// Body of the vehicle or of the reference: forward, right, down.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::attitude::{Body, Navigation, Rotation};
+    /// let nose_up = Rotation::<f64, Body, Navigation>::from_euler(0.0, 0.1, 0.0);
+    /// assert!((nose_up * nalgebra::Vector3::x()).z < 0.0); // forward points away from down
+    /// ```
     Body, "body";
     /// Axes of the inertial sensor, turned from [`Body`] by the mounting.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::attitude::{Body, Rotation, Sensor};
+    /// let mounting = Rotation::<f64, Body, Sensor>::from_euler(core::f64::consts::PI, 0.0, 0.0); // upside down
+    /// assert!((mounting * nalgebra::Vector3::z()).z < 0.0);
+    /// ```
     Sensor, "sensor";
     /// North, east, down at the present place.
+    ///
+    /// # Example
+    /// ```
+    /// use nalgebra::Vector3;
+    /// use stillrate::attitude::{Navigation, Rotation, earth};
+    /// let to_north_pole = earth::position(core::f64::consts::FRAC_PI_2, 0.0);
+    /// let polar_axis = to_north_pole.inverse() * Vector3::z(); // in north, east, down
+    /// assert!((polar_axis + Vector3::z()).amax() < 1e-15); // straight up
+    /// ```
     Navigation, "navigation";
     /// Turns with the Earth: x through latitude and longitude 0, z through the north pole.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::attitude::{EarthFixed, Navigation, Rotation, earth};
+    /// let here: Rotation<f64, Navigation, EarthFixed> = earth::position(0.0, 0.0);
+    /// assert_eq!(here * nalgebra::Vector3::x(), nalgebra::Vector3::z()); // north on the equator
+    /// ```
     EarthFixed, "earth";
     /// [`EarthFixed`] as it stood at the start, not turning.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::attitude::{EarthFixed, Inertial, Rotation, earth};
+    /// let after_a_sidereal_day: Rotation<f64, EarthFixed, Inertial> = earth::turned(86_164.1);
+    /// assert!(after_a_sidereal_day.log().norm() < 1e-6);
+    /// ```
     Inertial, "inertial";
 }
 
@@ -58,6 +108,20 @@ frames! {
 /// let c_b_e: Rotation<f64, Body, EarthFixed> = c_n_e * c_b_n;
 /// let forward = c_b_e * Vector3::x();
 /// assert!((forward.norm() - 1.0).abs() < 1e-15);
+/// ```
+/// In other forms, checked on the way in:
+/// ```
+/// use nalgebra::Vector3;
+/// use stillrate::attitude::{Body, Navigation, Rotation};
+/// let turn = Rotation::<f64, Body, Navigation>::exp(&Vector3::new(0.3, -0.2, 1.0));
+/// assert!((turn.log() - Vector3::new(0.3, -0.2, 1.0)).amax() < 1e-15);
+/// assert!((Rotation::<f64, Body, Navigation>::from_quaternion(&turn.quaternion()).matrix() - turn.matrix()).amax() < 1e-15);
+/// let four_digits = turn.matrix().map(|entry| (entry * 1e4).round() / 1e4);
+/// assert!(Rotation::<f64, Body, Navigation>::checked(four_digits).is_err());
+/// let nearest = Rotation::<f64, Body, Navigation>::projected(four_digits)?;
+/// let off: Rotation<f64, Body, Body> = nearest.inverse() * turn;
+/// assert!(off.log().norm() < 1e-4 && off != Rotation::identity());
+/// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 /// Frames that do not meet do not compile:
 /// ```compile_fail
@@ -131,7 +195,7 @@ impl<T: Real, From: Frame, To: Frame> Rotation<T, From, To> {
         ))
     }
 
-    /// Rotation vector (rad, length at most pi).
+    /// Rotation vector: rad, length at most pi.
     #[must_use]
     pub fn log(&self) -> Vector3<T> {
         so3::log(&self.matrix)

@@ -1,6 +1,6 @@
 //! The classical shortcuts to a gyro bias from two attitudes, to see what they cost.
 //!
-//! None of them iterates; measured over 10 s of hand-held motion with a bias of 150 deg/h they are off by 102, .05 and 5 deg/h, where
+//! None of them iterates; measured over 10 s of hand-held motion with a bias of 150 deg/h they are off by 102, 0.05 and 5 deg/h, where
 //! [`reference_bias`](crate::attitude::reference_bias) is exact. Sources: DOI 10.7690/bgzdh.2019.03.009 (small angle), common practice (mean rate).
 
 use nalgebra::{Matrix3, Vector3};
@@ -10,7 +10,7 @@ use crate::attitude::preintegration::Preintegration;
 use crate::attitude::so3;
 use crate::real::Real;
 
-/// Integrates all rates uncorrected, each over its time step.
+/// Integrates all rates (rad/s) uncorrected, each over its time step (s).
 ///
 /// # Example
 /// ```
@@ -24,7 +24,7 @@ pub fn integrate<T: Real>(samples: impl Iterator<Item = ([T; 3], T)>) -> Preinte
     turn
 }
 
-/// Small angle of the attitude error, divided by the time.
+/// Bias (rad/s) as the small angle of the attitude error, divided by the time; `reference` is how the reference turned.
 ///
 /// # Example
 /// ```
@@ -37,14 +37,26 @@ pub fn small_angle<T: Real>(turn: &Preintegration<T>, reference: &Matrix3<T>) ->
     so3::antisymmetric_part(&(reference.transpose() * turn.rotation)) * (T::ONE / turn.time_s)
 }
 
-/// Small angle of the attitude error through the inverse Jacobian: one step of the exact method, without Log.
+/// Bias (rad/s) as the small angle of the attitude error through the inverse Jacobian: one step of the exact method, without Log.
+///
+/// # Example
+/// ```
+/// use nalgebra::Vector3;
+/// use stillrate::attitude::{shortcuts, so3};
+/// // Half a turn about x, and a bias about z that the turn carries round: only the Jacobian sees that.
+/// let (rate, bias) = (Vector3::new(core::f64::consts::PI, 0.0, 0.0), Vector3::new(0.0, 0.0, 1e-4));
+/// let turn = shortcuts::integrate((0..100).map(|_| ((rate + bias).into(), 0.01)));
+/// let reference = so3::exp(&rate);
+/// assert!((shortcuts::small_angle_with_jacobian(&turn, &reference) - bias).amax() < 1e-7);
+/// assert!((shortcuts::small_angle(&turn, &reference) - bias).amax() > 5e-5);
+/// ```
 pub fn small_angle_with_jacobian<T: Real>(turn: &Preintegration<T>, reference: &Matrix3<T>) -> Vector3<T> {
     let error = so3::antisymmetric_part(&(reference.transpose() * turn.rotation));
     let jacobian = &turn.bias_jacobian;
     cofactors(jacobian).transpose() * error * (T::ONE / determinant(jacobian))
 }
 
-/// Mean measured rate minus mean reference rate, Log(D)/T.
+/// Bias (rad/s) as mean measured rate minus mean reference rate, Log(D)/T with D how the reference turned.
 ///
 /// # Example
 /// ```

@@ -40,10 +40,16 @@ fn coefficients<T: Real>(a2: T) -> (T, T, T) {
     }
 }
 
+/// Inner product, summed from x to z.
+#[inline(always)]
+pub(super) fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
 /// Squared length of a vector.
 #[inline(always)]
-pub(crate) fn squared<T: Real>(v: &Vector3<T>) -> T {
-    v.x * v.x + v.y * v.y + v.z * v.z
+pub(super) fn squared<T: Real>(v: &Vector3<T>) -> T {
+    dot(v, v)
 }
 
 /// The matrix `[v]` of the cross product: `[v] u = v x u`.

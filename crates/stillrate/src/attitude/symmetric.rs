@@ -9,14 +9,7 @@ use crate::real::Real;
 const SWEEPS: usize = 30;
 
 /// Eigenvalues (unsorted) and eigenvectors (in columns: `vectors[row][k]`) of a symmetric matrix.
-///
-/// # Example
-/// ```
-/// use stillrate::attitude::symmetric::eigen;
-/// let (values, _) = eigen([[2.0, 1.0], [1.0, 2.0]]);
-/// assert!((values[0] - 1.0_f64).abs() < 1e-15 && (values[1] - 3.0).abs() < 1e-15);
-/// ```
-pub fn eigen<T: Real, const N: usize>(mut a: [[T; N]; N]) -> ([T; N], [[T; N]; N]) {
+pub(super) fn eigen<T: Real, const N: usize>(mut a: [[T; N]; N]) -> ([T; N], [[T; N]; N]) {
     let mut vectors = [[T::ZERO; N]; N];
     for i in 0..N {
         vectors[i][i] = T::ONE;
@@ -71,6 +64,12 @@ fn annihilate<T: Real, const N: usize>(a: &mut [[T; N]; N], vectors: &mut [[T; N
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn finds_the_sum_and_the_difference_of_two_equal_neighbours() {
+        let (values, _) = eigen([[2.0, 1.0], [1.0, 2.0]]);
+        assert!((values[0] - 1.0_f64).abs() < 1e-15 && (values[1] - 3.0).abs() < 1e-15);
+    }
 
     #[test]
     fn rebuilds_a_badly_scaled_matrix() {

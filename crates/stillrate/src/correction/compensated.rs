@@ -26,6 +26,23 @@ pub struct Compensated<F, T> {
 }
 
 /// State of [`Compensated`]: that of the filter, and the inputs that come along more slowly than the rate.
+///
+/// # Example
+/// A curve that also depends on the temperature, and a sensor that warms up:
+/// ```
+/// use stillrate::{Filter, Sample, correction::{Compensated, ErrorCurve}, filters::Pt1};
+/// let mut curve = ErrorCurve::line(0.0, 0.0, -6.0, 6.0)?;
+/// curve.inputs = 2;
+/// (curve.low[1], curve.high[1], curve.centre[1], curve.scale[1]) = (-10.0, 50.0, 20.0, 1.0 / 30.0);
+/// curve.terms[2] = 0.3; // 0.3 deg/s over half the range
+/// let filter = Compensated { filter: Pt1::new(50.0, 8.0)?, curve: curve.checked()? };
+/// let mut state = filter.start();
+/// assert_eq!(state.others[0], 20.0); // until it is told, the middle of the range
+/// state.others[0] = 50.0;
+/// let estimate = filter.step(&mut state, Sample { value: 1.3_f64, dt: 0.02 });
+/// assert!((estimate.rate - 1.0).abs() < 1e-15);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct CompensatedState<S, T> {

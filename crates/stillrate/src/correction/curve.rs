@@ -15,7 +15,7 @@ pub const INPUTS: usize = 3;
 pub const HIDDEN: usize = 16;
 /// Monomials of total degree up to 3 in three inputs.
 pub const TERMS: usize = 20;
-/// Most fixed-point steps; the step is a contraction by the slope (at most a few tenths), 16 exhaust `f64`.
+/// Most fixed-point steps. Each is a contraction by the slope: 32 exhaust `f64` up to a slope of 0.3.
 const MOST_STEPS: u32 = 32;
 
 /// The powers of (rate, second, third input) in each polynomial term, by rising total degree.
@@ -51,8 +51,8 @@ pub const fn term_powers() -> [[u8; INPUTS]; TERMS] {
     ]
 }
 
-/// An error curve e(rate, others) with the range it was calibrated on. Fields are public so that C and files can hold it;
-/// [`ErrorCurve::checked`] says whether they make sense.
+/// An error curve e(rate, others) with the range it was calibrated on, all in the unit of the rate. Fields are public so that C and files
+/// can hold it; [`ErrorCurve::checked`] says whether they make sense.
 ///
 /// # Example
 /// ```
@@ -61,6 +61,10 @@ pub const fn term_powers() -> [[u8; INPUTS]; TERMS] {
 /// let curve = ErrorCurve::<f32>::line(0.03, 0.002, -6.0, 6.0)?;
 /// let corrected = curve.correct(5.04, [0.0; 2]);
 /// assert!((corrected.rate - 5.0).abs() < 1e-5);
+/// // Outside the range the value at the edge is held, so the slope there is 0.
+/// assert_eq!((curve.error([9.0, 0.0, 0.0]).0, curve.slope([9.0, 0.0, 0.0])), (curve.error([6.0, 0.0, 0.0]).0, 0.0));
+/// assert!((curve.slope([1.0, 0.0, 0.0]) - 0.002).abs() < 1e-9);
+/// assert_eq!(ErrorCurve { hidden: 17, ..curve }.checked().unwrap_err().field, "hidden");
 /// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +100,16 @@ pub struct ErrorCurve<T> {
     pub output_scale: T,
 }
 
-/// A corrected rate.
+/// A corrected rate, in the unit of the curve.
+///
+/// # Example
+/// ```
+/// use stillrate::{Flags, correction::{Corrected, ErrorCurve}};
+/// let curve = ErrorCurve::<f64>::line(0.03, 0.0, -6.0, 6.0)?;
+/// let Corrected { rate, error, flags } = curve.correct(7.0, [0.0; 2]);
+/// assert_eq!((rate + error, error, flags), (7.0, 0.03, Flags::EDGE_HELD));
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected<T> {
     /// The measured rate less the error; NaN where the measurement was missing.

@@ -7,16 +7,19 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::coefficients::Selection;
-use super::model::Turning;
+use super::motion::Turning;
+use super::selection::Selection;
 
 /// The rows [Phi, B], scaled.
 ///
 /// # Example
 /// ```
 /// use stillrate::gimbal::Carried;
-/// let carried = Carried::<30>::unit();
-/// assert_eq!(carried.rows[1][1], 1.0);
+/// let mut carried = Carried::<4>::unit();
+/// carried.rows[0][3] += 0.25; // a step in which number 3, a drift, turned the platform about x
+/// carried.turn(&[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]); // and a quarter turn about z: x becomes y
+/// let now = carried.now(&[0.0, 1.0, 0.0, 2.0]); // errors of the start about y, and of the drift
+/// assert_eq!([now.x, now.y, now.z], [-1.0, 0.5, 0.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carried<const N: usize> {
@@ -45,7 +48,7 @@ impl<const N: usize> Carried<N> {
 
     /// Adds what the coefficients' errors did in a step: `turning` in SI units times `weight` (scale of coefficient over scale of attitude).
     #[inline(always)]
-    pub(crate) fn add(&mut self, turning: &Turning, selection: &Selection<N>, weight: &[[f64; N]; 3]) {
+    pub(super) fn add(&mut self, turning: &Turning, selection: &Selection<N>, weight: &[[f64; N]; 3]) {
         for (at, &index) in selection.indices().iter().enumerate().take(selection.turning()).skip(3) {
             if let Some(column) = turning.get(index) {
                 for r in 0..3 {
@@ -66,7 +69,7 @@ impl<const N: usize> Carried<N> {
 
 /// Phi in scaled numbers, by columns.
 #[inline(always)]
-pub(crate) fn scaled_transition(transition: &Matrix3<f64>, scaled: [f64; 3]) -> [[f64; 3]; 3] {
+pub(super) fn scaled_transition(transition: &Matrix3<f64>, scaled: [f64; 3]) -> [[f64; 3]; 3] {
     let columns = &transition.data.0;
     core::array::from_fn(|c| core::array::from_fn(|r| columns[c][r] * (scaled[c] / scaled[r])))
 }

@@ -8,10 +8,13 @@ use nalgebra::{Matrix3, Vector3};
 use super::carried::{Carried, scaled_transition};
 use super::coefficients::{
     COUNT, Coefficients, FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, FORCE_BIAS, FORCE_QUADRATIC, FORCE_SCALE, LATENCY,
-    NAMES, Selection,
+    NAMES,
 };
 use super::factor::Factor;
-use super::model::{Model, Row, Turning};
+use super::model::Model;
+use super::motion::Turning;
+use super::output::Row;
+use super::selection::Selection;
 use crate::error::{ConfigError, not_negative};
 use crate::real::Real;
 
@@ -19,31 +22,41 @@ use crate::real::Real;
 ///
 /// # Example
 /// ```
-/// use stillrate::gimbal::{DEFAULT_SCALE, Estimator, Gauge, Model, Options, Selection};
-/// let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default()).unwrap();
-/// let estimator = Estimator::<f64, 30>::new(Model::new(9.8, 0.7).unwrap(), selection, &DEFAULT_SCALE, 0.0).unwrap();
-/// assert_eq!(estimator.selection.count(), 30);
+/// use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Estimator, Gauge, Innovation, JointFilter, Measurement, Model, Options, Selection};
+/// let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
+/// let estimator = Estimator::<f64, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?;
+/// // Level at the start, two input axes are horizontal: the published cut-off drops what they say.
+/// let cutting = JointFilter::new(estimator.with_plain_windows().with_cut_off(0.1)?, 5.0)?;
+/// let innovations = cutting.correct(&mut cutting.start(&[0.0; COUNT]), &Measurement { value: [0.0, 9.8, 0.0], variance: [2e-13; 3] });
+/// assert_eq!(innovations, [Innovation::default(); 3]);
+/// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimator<T, const N: usize> {
     /// The place and the instruments.
-    pub model: Model,
+    pub(super) model: Model,
     /// The estimated coefficients.
-    pub selection: Selection<N>,
-    /// Prior standard deviations.
-    pub scale: Coefficients,
+    pub(super) selection: Selection<N>,
     /// Random walk of the attitude, rad/sqrt(s).
-    pub attitude_walk: f64,
+    pub(super) attitude_walk: f64,
     /// Fit the windows with the robust line.
-    pub robust: bool,
+    pub(super) robust: bool,
     /// Epochs with an input axis nearer to the horizontal than this are not used, rad; 0: all are.
-    pub cut_off_rad: f64,
+    cut_off_rad: f64,
     scaled: [f64; N],
     weight: [[f64; N]; 3],
     number: core::marker::PhantomData<T>,
 }
 
 /// Innovation of one scalar measurement, m/s^2.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::Innovation;
+/// let two_deviations_low = Innovation { value: -2e-6, variance: 1e-12 };
+/// assert_eq!(two_deviations_low.normalised(), -2.0);
+/// assert!(Innovation::default().normalised().is_nan()); // no measurement
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Innovation {
     /// Measured minus predicted.
@@ -53,15 +66,15 @@ pub struct Innovation {
 }
 
 impl Innovation {
-    /// Squared innovation over its variance; 0 where there was no measurement.
+    /// Innovation over its standard deviation, N(0, 1) under a right model; NaN where there was no measurement.
     #[must_use]
-    pub fn normalised_squared(&self) -> f64 {
-        if self.variance > 0.0 { self.value * self.value / self.variance } else { 0.0 }
+    pub fn normalised(&self) -> f64 {
+        if self.variance > 0.0 { self.value / self.variance.root() } else { f64::NAN }
     }
 }
 
 impl<T: Real, const N: usize> Estimator<T, N> {
-    /// Settings with the given prior standard deviations and attitude random walk (deg/sqrt(h), 0 for none).
+    /// Settings with the given prior standard deviations (SI, in the order of [`NAMES`]) and attitude random walk (deg/sqrt(h), 0 for none).
     ///
     /// # Errors
     /// [`ConfigError`] if a scale of an estimated coefficient is not positive, or the random walk is negative.
@@ -82,7 +95,6 @@ impl<T: Real, const N: usize> Estimator<T, N> {
         Ok(Self {
             model,
             selection,
-            scale: *scale,
             attitude_walk: angle_random_walk_deg_sqrt_h * core::f64::consts::PI / 180.0 / 60.0,
             robust: true,
             cut_off_rad: 0.0,
@@ -110,22 +122,19 @@ impl<T: Real, const N: usize> Estimator<T, N> {
     }
 
     /// The square root of the prior covariance, scaled.
-    #[must_use]
-    pub fn prior(&self) -> Factor<T, N> {
+    pub(super) fn prior(&self) -> Factor<T, N> {
         Factor::unit(self.selection.count())
     }
 
     /// Prior standard deviations in the order of the state.
-    #[must_use]
     #[inline(always)]
-    pub const fn scaled(&self) -> &[f64; N] {
+    pub(super) const fn scaled(&self) -> &[f64; N] {
         &self.scaled
     }
 
     /// Whether the published cut-off would drop an epoch with this specific force.
-    #[must_use]
     #[inline]
-    pub fn cuts(&self, force: &Vector3<f64>) -> bool {
+    pub(super) fn cuts(&self, force: &Vector3<f64>) -> bool {
         if self.cut_off_rad <= 0.0 {
             return false;
         }
@@ -135,7 +144,7 @@ impl<T: Real, const N: usize> Estimator<T, N> {
 
     /// Carries the errors of the start through one step of `dt_s`, and adds the random walk of the attitude.
     #[inline(always)]
-    pub(crate) fn carry(
+    pub(super) fn carry(
         &self,
         factor: &mut Factor<T, N>,
         carried: &mut Carried<N>,
@@ -153,20 +162,20 @@ impl<T: Real, const N: usize> Estimator<T, N> {
 
     /// Makes the attitude less certain by `walk_rad` about each axis.
     #[inline(always)]
-    pub(crate) fn spread(&self, factor: &mut Factor<T, N>, walk_rad: f64) {
+    pub(super) fn spread(&self, factor: &mut Factor<T, N>, walk_rad: f64) {
         factor.spread(core::array::from_fn(|axis| T::of(walk_rad / self.scaled[axis])));
     }
 
     /// Attitude error now (rad) that an error in scaled numbers makes.
     #[inline(always)]
-    pub(crate) fn attitude(&self, carried: &Carried<N>, errors: &[f64; N]) -> Vector3<f64> {
+    pub(super) fn attitude(&self, carried: &Carried<N>, errors: &[f64; N]) -> Vector3<f64> {
         let psi = carried.now(errors);
         Vector3::new(psi[0] * self.scaled[0], psi[1] * self.scaled[1], psi[2] * self.scaled[2])
     }
 
     /// Variances of the attitude now, rad^2.
     #[inline(always)]
-    pub(crate) fn attitude_variance(&self, factor: &Factor<T, N>, carried: &Carried<N>) -> [f64; 3] {
+    pub(super) fn attitude_variance(&self, factor: &Factor<T, N>, carried: &Carried<N>) -> [f64; 3] {
         let mut rows = [[T::ZERO; N]; 3];
         for (row, exact) in rows.iter_mut().zip(&carried.rows) {
             for (slot, x) in row.iter_mut().zip(exact) {
@@ -181,7 +190,7 @@ impl<T: Real, const N: usize> Estimator<T, N> {
     /// A row of derivatives (SI units, by the attitude now and the coefficients) in scaled numbers, times `weight`. Besides the
     /// attitude only the coefficients of accelerometer `axis` may be other than 0.
     #[inline(always)]
-    pub(crate) fn row(&self, carried: &Carried<N>, row: &Row, axis: usize, weight: f64) -> [f64; N] {
+    pub(super) fn row(&self, carried: &Carried<N>, row: &Row, axis: usize, weight: f64) -> [f64; N] {
         let [x, y, z] =
             [row[0] * self.scaled[0] * weight, row[1] * self.scaled[1] * weight, row[2] * self.scaled[2] * weight];
         let mut packed = [0.0; N];
@@ -210,7 +219,7 @@ impl<T: Real, const N: usize> Estimator<T, N> {
     /// it and its derivatives `row` over the deviation of the noise. Adds to `correction` (scaled numbers); returns the innovation
     /// variance.
     #[inline(always)]
-    pub(crate) fn absorb(
+    pub(super) fn absorb(
         factor: &mut Factor<T, N>,
         row: &[f64; N],
         residual: f64,
@@ -230,9 +239,16 @@ impl<T: Real, const N: usize> Estimator<T, N> {
         (innovation, variance)
     }
 
+    /// Adds a correction (scaled numbers) to the coefficients; the attitude is corrected by rotation, elsewhere.
+    #[inline(always)]
+    pub(super) fn add_to(&self, coefficients: &mut Coefficients, correction: &[f64; N]) {
+        for ((&index, c), s) in self.selection.indices().iter().zip(correction).zip(&self.scaled).skip(3) {
+            coefficients[index] += c * s;
+        }
+    }
+
     /// Standard deviation of every coefficient in SI units, the attitude's at the start; 0 where it is not estimated.
-    #[must_use]
-    pub fn standard_deviation(&self, factor: &Factor<T, N>) -> Coefficients {
+    pub(super) fn standard_deviation(&self, factor: &Factor<T, N>) -> Coefficients {
         let mut deviation = [0.0; COUNT];
         for ((variance, scale), &index) in factor.variances().iter().zip(&self.scaled).zip(self.selection.indices()) {
             deviation[index] = variance.widen().root() * scale;
@@ -241,8 +257,7 @@ impl<T: Real, const N: usize> Estimator<T, N> {
     }
 
     /// The same with the deviation of the attitude now.
-    #[must_use]
-    pub fn standard_deviation_now(&self, factor: &Factor<T, N>, carried: &Carried<N>) -> Coefficients {
+    pub(super) fn standard_deviation_now(&self, factor: &Factor<T, N>, carried: &Carried<N>) -> Coefficients {
         let mut deviation = self.standard_deviation(factor);
         for (slot, variance) in deviation.iter_mut().zip(self.attitude_variance(factor, carried)) {
             *slot = variance.root();

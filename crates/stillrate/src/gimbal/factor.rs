@@ -31,6 +31,12 @@ pub struct Factor<T, const N: usize> {
 }
 
 /// What a scalar measurement of variance 1 did.
+///
+/// # Example
+/// ```
+/// let gain = stillrate::gimbal::Factor::<f64, 3>::unit(3).absorb(&[2.0, 0.0, 0.0]);
+/// assert_eq!((gain.covariance, gain.variance), ([2.0, 0.0, 0.0], 5.0)); // P h^T and h P h^T + 1
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain<T, const N: usize> {
     /// Gain times the innovation variance: the covariance of the state with the measurement.
@@ -63,38 +69,20 @@ impl<T: Real, const N: usize> Factor<T, N> {
         Self { root: SMatrix::from_fn(|i, j| T::select(i == j && j < count, T::ONE, T::ZERO)), count }
     }
 
-    /// A diagonal square root.
-    #[must_use]
-    pub fn diagonal(deviation: &[T; N], count: usize) -> Self {
-        let mut factor = Self::unit(count);
-        for (j, column) in factor.root.data.0.iter_mut().enumerate().take(factor.count) {
-            column[j] = deviation[j];
-        }
-        factor
-    }
-
-    /// How many numbers it covers.
-    #[must_use]
-    pub const fn count(&self) -> usize {
-        self.count
-    }
-
     /// Entry of U.
-    #[must_use]
     #[inline(always)]
-    pub fn entry(&self, i: usize, j: usize) -> T {
+    pub(super) fn entry(&self, i: usize, j: usize) -> T {
         self.root.data.0.get(j).and_then(|column| column.get(i)).copied().unwrap_or(T::ZERO)
     }
 
     /// Whether all entries are finite.
-    #[must_use]
-    pub fn finite(&self) -> bool {
+    pub(super) fn finite(&self) -> bool {
         self.root.data.0.iter().take(self.count).flatten().all(|x| x.finite())
     }
 
     /// Adds process noise of the given deviation to each of the first three numbers.
     #[inline]
-    pub fn spread(&mut self, noise: [T; 3]) {
+    pub(super) fn spread(&mut self, noise: [T; 3]) {
         let columns = &mut self.root.data.0;
         let top = |c: &[T; N]| [c[0], c[1], c[2]];
         let (mut a, mut b, mut c) = (top(&columns[0]), top(&columns[1]), top(&columns[2]));
@@ -156,7 +144,7 @@ impl<T: Real, const N: usize> Factor<T, N> {
 
     /// U^T h.
     #[inline(always)]
-    pub fn project(&self, row: &[T; N]) -> [T; N] {
+    fn project(&self, row: &[T; N]) -> [T; N] {
         let mut sigma = [T::ZERO; N];
         let (h, last_h) = row.as_chunks::<GROUP>();
         for (j, (sum, column)) in sigma.iter_mut().zip(&self.root.data.0).enumerate().take(self.count) {
@@ -176,9 +164,8 @@ impl<T: Real, const N: usize> Factor<T, N> {
     }
 
     /// |U^T h|^2 of three rows, their variances, in one walk over the columns.
-    #[must_use]
     #[inline(always)]
-    pub fn variances_along(&self, rows: &[[T; N]; 3]) -> [T; 3] {
+    pub(super) fn variances_along(&self, rows: &[[T; N]; 3]) -> [T; 3] {
         let mut squares = [T::ZERO; 3];
         for (j, column) in self.root.data.0.iter().enumerate().take(self.count) {
             let (u, last_u) = column.as_chunks::<GROUP>();
@@ -201,8 +188,7 @@ impl<T: Real, const N: usize> Factor<T, N> {
     }
 
     /// U s.
-    #[must_use]
-    pub fn times(&self, s: &[f64; N]) -> [f64; N] {
+    fn times(&self, s: &[f64; N]) -> [f64; N] {
         let mut sum = [0.0; N];
         for (column, s) in self.root.data.0.iter().zip(s).take(self.count) {
             for (t, u) in sum.iter_mut().zip(column) {
@@ -213,8 +199,7 @@ impl<T: Real, const N: usize> Factor<T, N> {
     }
 
     /// P g, in double precision whatever `T` is.
-    #[must_use]
-    pub fn weigh(&self, g: &[f64; N]) -> [f64; N] {
+    pub(super) fn weigh(&self, g: &[f64; N]) -> [f64; N] {
         let mut across = [0.0; N];
         for (sum, column) in across.iter_mut().zip(&self.root.data.0).take(self.count) {
             for (u, g) in column.iter().zip(g) {
@@ -225,9 +210,8 @@ impl<T: Real, const N: usize> Factor<T, N> {
     }
 
     /// Variances of all numbers (sums of the squares of the rows).
-    #[must_use]
     #[inline(always)]
-    pub fn variances(&self) -> [T; N] {
+    pub(super) fn variances(&self) -> [T; N] {
         let mut sums = [T::ZERO; N];
         for column in self.root.data.0.iter().take(self.count) {
             for (s, u) in sums.iter_mut().zip(column) {
@@ -244,8 +228,7 @@ impl<T: Real, const N: usize> Factor<T, N> {
     }
 
     /// Covariance of two numbers.
-    #[must_use]
-    pub fn covariance(&self, i: usize, k: usize) -> T {
+    fn covariance(&self, i: usize, k: usize) -> T {
         let mut sum = T::ZERO;
         if i < N && k < N {
             for column in self.root.data.0.iter().take(self.count) {
@@ -263,6 +246,12 @@ mod tests {
 
     fn covariance(f: &Factor<f64, 6>) -> SMatrix<f64, 6, 6> {
         SMatrix::from_fn(|i, k| f.covariance(i, k))
+    }
+
+    #[test]
+    fn covers_no_more_numbers_than_there_is_room_for() {
+        assert_eq!(Factor::<f64, 4>::unit(9).count, 4);
+        assert_eq!(Factor::<f64, 4>::unit(3).variances(), [1.0, 1.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -23,14 +23,17 @@ use crate::real::Real;
 ///
 /// # Example
 /// ```
-/// use stillrate::gimbal::{DEFAULT_SCALE, Estimator, FirstOrder, Gauge, Model, Options, Record, Selection};
+/// use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Estimator, FirstOrder, Gauge, Model, Options, Record, Selection};
 /// let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
 /// let estimator = Estimator::<f64, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?;
 /// let filter = FirstOrder { estimator };
 /// let (command, samples) = ([[0.01, 0.0, 0.0]; 8], [[0.0, 9.8, 0.0]; 41]);
 /// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
-/// let mut state = filter.start(&[0.0; 41]);
-/// filter.epoch(&mut state, &record, 0);
+/// let mut state = filter.start(&[0.0; COUNT]);
+/// let before = filter.standard_deviation(&state)[0];
+/// let innovations = filter.epoch(&mut state, &record, 0);
+/// assert!(innovations[2].value != 0.0); // told to tumble, it stood still: z should have felt gravity
+/// assert!(filter.standard_deviation(&state)[0] < before); // and the tilt about x is known better
 /// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +42,19 @@ pub struct FirstOrder<T, const N: usize> {
     pub estimator: Estimator<T, N>,
 }
 
-/// State of the first-order single loop.
+/// State of the first-order single loop: plain data, and a copy of it is another filter.
+///
+/// # Example
+/// ```
+/// # use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Estimator, FirstOrder, Gauge, Model, Options, Selection};
+/// # let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
+/// # let estimator = Estimator::<f64, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?;
+/// let mut known = [0.0; COUNT];
+/// known[21] = 1e-3; // an accelerometer bias from the data sheet
+/// let state = FirstOrder { estimator }.start(&known);
+/// assert_eq!((state.coefficients, state.commanded), (known, nalgebra::Matrix3::identity()));
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstOrderState<T, const N: usize> {
     /// Where the command alone would have turned the platform.
@@ -64,7 +79,7 @@ impl<T: Real, const N: usize> FirstOrder<T, N> {
         }
     }
 
-    /// Interval `k` of a record and the measurement at its end.
+    /// Interval `k` (from 0) of a record and the measurement at its end; returns the innovations, m/s^2.
     pub fn epoch(&self, state: &mut FirstOrderState<T, N>, record: &Record<'_>, k: usize) -> [Innovation; 3] {
         let model = &self.estimator.model;
         let earth_rate = model.earth_rate();
@@ -107,14 +122,11 @@ impl<T: Real, const N: usize> FirstOrder<T, N> {
                 innovations[i] = Innovation { value: value / weight, variance: variance * noise };
             }
         }
-        let scaled = self.estimator.scaled();
         let phi = self.estimator.attitude(&state.carried, &correction);
         for (x, phi) in state.coefficients.iter_mut().zip(&phi) {
             *x += phi;
         }
-        for ((&index, c), s) in self.estimator.selection.indices().iter().zip(&correction).zip(scaled).skip(3) {
-            state.coefficients[index] += c * s;
-        }
+        self.estimator.add_to(&mut state.coefficients, &correction);
         innovations
     }
 

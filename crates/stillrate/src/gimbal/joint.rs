@@ -22,7 +22,7 @@ use crate::real::Real;
 
 /// Default weight c2 of the second-order terms.
 pub const SECOND_ORDER: f64 = 5.0;
-/// Default limit of a believable command, rad/s.
+/// Default limit of a believable command, rad/s; nobody means more in a calibration.
 pub const COMMAND_MAX_RAD_S: f64 = 10.0;
 /// While the command is not known the attitude may turn away by this rate, rad/s.
 const LOST_COMMAND_RAD_S: f64 = 1e-3;
@@ -30,15 +30,33 @@ const LOST_COMMAND_RAD_S: f64 = 1e-3;
 /// Settings of the on-line filter.
 ///
 /// # Example
+/// As the samples come:
 /// ```
-/// use stillrate::gimbal::{DEFAULT_SCALE, Estimator, Gauge, JointFilter, Measurement, Model, Options, Selection};
+/// use stillrate::Flags;
+/// use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Estimator, Gauge, JointFilter, Measurement, Model, Options, SECOND_ORDER, Selection};
 /// let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
 /// let estimator = Estimator::<f64, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?;
-/// let filter = JointFilter::new(estimator, 5.0)?;
-/// let mut state = filter.start(&[0.0; 41]);
-/// filter.advance(&mut state, [0.0175, 0.0, 0.0], 0.25);
-/// filter.correct(&mut state, &Measurement { value: [0.01, 9.8, -0.04], variance: [2e-13; 3] });
-/// assert!(state.coefficients[21].is_finite());
+/// let filter = JointFilter::new(estimator, SECOND_ORDER)?.with_command_max(0.1)?;
+/// let mut state = filter.start(&[0.0; COUNT]);
+/// assert_eq!(filter.advance(&mut state, [0.0175, 0.0, 0.0], 0.25), Flags::NONE);
+/// assert_eq!(filter.advance(&mut state, [1e9, 0.0, 0.0], 0.25), Flags::OUT_OF_RANGE); // the last good command goes on
+/// filter.correct(&mut state, &Measurement { value: [0.01, 9.8, -0.085], variance: [2e-13; 3] });
+/// assert!(filter.attitude_and_coefficients(&state)[0].abs() < filter.standard_deviation(&state)[0] * 5.0);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
+/// From a record, with lines through the samples around each epoch:
+/// ```
+/// # use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Estimator, Gauge, JointFilter, Model, Options, Record, Reference, Selection};
+/// # let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
+/// # let estimator = Estimator::<f64, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?;
+/// # let filter = JointFilter::new(estimator, 5.0)?;
+/// # let mut state = filter.start(&[0.0; COUNT]);
+/// let (command, samples) = ([[0.0; 3]; 8], [[0.0, 9.8, 0.0]; 41]);
+/// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
+/// for k in 0..record.epochs() {
+///     filter.epoch(&mut state, &record, k, Reference::Model);
+/// }
+/// assert_eq!(state.time_s, 2.0);
 /// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,12 +64,27 @@ pub struct JointFilter<T, const N: usize> {
     /// Coefficients, scales and windows.
     pub estimator: Estimator<T, N>,
     /// Weight c2 of the second-order terms in the measurement noise.
-    pub second_order: f64,
+    second_order: f64,
     /// A command beyond this is not believed, rad/s.
-    pub command_max_rad_s: f64,
+    command_max_rad_s: f64,
 }
 
-/// State of the on-line filter.
+/// State of the on-line filter: plain data, and a copy of it goes on with the same bits.
+///
+/// # Example
+/// ```
+/// # use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Estimator, Gauge, JointFilter, Model, Options, Selection};
+/// # let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
+/// # let estimator = Estimator::<f32, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?;
+/// # let filter = JointFilter::new(estimator, 5.0)?;
+/// let mut state = filter.start(&[0.0; COUNT]);
+/// let mut saved = state;
+/// filter.advance(&mut state, [0.02, 0.0, 0.0], 0.25);
+/// filter.advance(&mut saved, [0.02, 0.0, 0.0], 0.25);
+/// assert_eq!(state, saved);
+/// assert!((state.rate[0] - 0.02).abs() < 1e-15); // no drift is known, so the platform turns as told
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointState<T, const N: usize> {
     /// R = C_np now.
@@ -106,7 +139,7 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
         }
     }
 
-    /// Carries the state over `dt_s` under a command (rad/s). A command that is not finite or beyond the limit is replaced by the last
+    /// Carries the state over `dt_s` seconds under a command (rad/s). A command that is not finite or beyond the limit is replaced by the last
     /// good one and the attitude is believed less; an unusable time step passes no time.
     pub fn advance(&self, state: &mut JointState<T, N>, command: [f64; 3], dt_s: f64) -> Flags {
         let geometry = Geometry::new(&self.estimator.model, &state.coefficients);
@@ -197,10 +230,7 @@ impl<T: Real, const N: usize> JointFilter<T, N> {
         }
         let psi = estimator.attitude(&state.carried, correction);
         state.rotation = product(&exponential(&-psi), &state.rotation);
-        let scaled = estimator.scaled();
-        for ((&index, c), s) in estimator.selection.indices().iter().zip(correction).zip(scaled).skip(3) {
-            state.coefficients[index] += c * s;
-        }
+        estimator.add_to(&mut state.coefficients, correction);
     }
 
     /// Standard deviations of attitude now and coefficients, SI; 0 where not estimated.

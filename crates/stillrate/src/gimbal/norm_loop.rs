@@ -10,11 +10,11 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::coefficients::{COUNT, Coefficients, FORCE_ABOUT_OUTPUT, FORCE_ABOUT_PENDULOUS, FORCE_BIAS, FORCE_SCALE};
 use super::factor::Factor;
-use super::geometry::{ForceAxis, force_axis};
+use super::geometry::ForceAxis;
 use super::joint::SECOND_ORDER;
 use super::model::Model;
 use super::record::Measurement;
-use super::rotation::{apply, cross};
+use super::rotation::{apply, inverse_of_rows};
 use crate::error::ConfigError;
 use crate::real::Real;
 
@@ -36,18 +36,8 @@ pub const NORM_INDICES: [usize; NORM_COUNT] = [
 ];
 
 /// Settings of the norm loop (accelerometer gauge, cyclic triads).
-///
-/// # Example
-/// ```
-/// use stillrate::gimbal::{DEFAULT_SCALE, Measurement, Model, NormLoop};
-/// let norm = NormLoop::<f64>::new(Model::new(9.8, 0.7)?, &DEFAULT_SCALE)?;
-/// let mut state = norm.start(&[0.0; 41]);
-/// norm.step(&mut state, &Measurement { value: [0.0, 9.81, 0.0], variance: [2e-13; 3] });
-/// assert!(state.coefficients[22] > 0.0); // too long a specific force: bias y is positive
-/// # Ok::<(), stillrate::ConfigError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NormLoop<T> {
+pub(super) struct NormLoop<T> {
     model: Model,
     scale: [f64; NORM_COUNT],
     number: core::marker::PhantomData<T>,
@@ -55,20 +45,40 @@ pub struct NormLoop<T> {
 
 /// State of the norm loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NormState<T> {
+pub(super) struct NormState<T> {
     /// All coefficients; this loop changes its nine.
-    pub coefficients: Coefficients,
+    pub(super) coefficients: Coefficients,
     /// Scaled square root of the covariance.
-    pub factor: Factor<T, NORM_COUNT>,
+    pub(super) factor: Factor<T, NORM_COUNT>,
 }
 
 /// Specific force found from the outputs, and its derivatives by the nine coefficients (scaled).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FoundForce {
+pub(super) struct FoundForce {
     /// f_e, m/s^2.
-    pub force: Vector3<f64>,
+    pub(super) force: Vector3<f64>,
     /// df_e/d(coefficient / scale).
-    pub derivative: [Vector3<f64>; NORM_COUNT],
+    pub(super) derivative: [Vector3<f64>; NORM_COUNT],
+}
+
+impl<T: Real> NormState<T> {
+    /// State at the prior.
+    pub(super) fn at(prior: &Coefficients) -> Self {
+        Self { coefficients: *prior, factor: Factor::unit(NORM_COUNT) }
+    }
+
+    /// D P D^T: how uncertain a found force is because of the nine coefficients, (m/s^2)^2.
+    pub(super) fn force_covariance(&self, derivative: &[Vector3<f64>; NORM_COUNT]) -> Matrix3<f64> {
+        let mut covariance = Matrix3::zeros();
+        for j in 0..NORM_COUNT {
+            let mut column = Vector3::zeros();
+            for (i, d) in derivative.iter().enumerate() {
+                column += d * self.factor.entry(i, j).widen();
+            }
+            covariance += column * column.transpose();
+        }
+        covariance
+    }
 }
 
 impl<T: Real> NormLoop<T> {
@@ -76,7 +86,7 @@ impl<T: Real> NormLoop<T> {
     ///
     /// # Errors
     /// [`ConfigError`] if a scale is not positive.
-    pub fn new(model: Model, scale: &Coefficients) -> Result<Self, ConfigError> {
+    pub(super) fn new(model: Model, scale: &Coefficients) -> Result<Self, ConfigError> {
         let mut picked = [0.0; NORM_COUNT];
         for (slot, index) in picked.iter_mut().zip(NORM_INDICES) {
             *slot = crate::error::positive(super::coefficients::NAMES[index], scale[index], "")?;
@@ -84,20 +94,13 @@ impl<T: Real> NormLoop<T> {
         Ok(Self { model, scale: picked, number: core::marker::PhantomData })
     }
 
-    /// State at the prior.
-    #[must_use]
-    pub fn start(&self, prior: &Coefficients) -> NormState<T> {
-        NormState { coefficients: *prior, factor: Factor::unit(NORM_COUNT) }
-    }
-
     /// f_e = A_a^-1 u and its derivatives.
-    #[must_use]
-    pub fn found(&self, coefficients: &Coefficients, value: &[f64; 3]) -> FoundForce {
+    pub(super) fn found(&self, coefficients: &Coefficients, value: &[f64; 3]) -> FoundForce {
         let x = coefficients;
         let axes: [ForceAxis; 3] = core::array::from_fn(|i| {
-            force_axis(&self.model.triads.accelerometer[i], x[FORCE_ABOUT_PENDULOUS + i], x[FORCE_ABOUT_OUTPUT + i])
+            ForceAxis::new(&self.model.triads.accelerometer[i], x[FORCE_ABOUT_PENDULOUS + i], x[FORCE_ABOUT_OUTPUT + i])
         });
-        let inverse = columns_of_inverse(&axes);
+        let inverse = inverse_of_rows(axes.each_ref().map(|axis| &axis.input));
         let slope: [f64; 3] = core::array::from_fn(|i| 1.0 + x[FORCE_SCALE + i]);
         let u = Vector3::from_fn(|i, _| (value[i] - x[FORCE_BIAS + i]) / slope[i]);
         let force = apply(&inverse, &u);
@@ -114,7 +117,7 @@ impl<T: Real> NormLoop<T> {
     }
 
     /// Takes in one measurement of the outputs; nothing happens unless all three axes are there. Returns what it found before the update.
-    pub fn step(&self, state: &mut NormState<T>, measurement: &Measurement) -> Option<FoundForce> {
+    pub(super) fn step(&self, state: &mut NormState<T>, measurement: &Measurement) -> Option<FoundForce> {
         let usable = measurement.value.iter().zip(&measurement.variance).all(|(z, r)| z.finite() && r.finite());
         if !usable {
             return None;
@@ -141,23 +144,8 @@ impl<T: Real> NormLoop<T> {
         Some(before)
     }
 
-    /// D P D^T: how uncertain the found force is because of the nine coefficients, (m/s^2)^2.
-    #[must_use]
-    pub fn force_covariance(&self, state: &NormState<T>, derivative: &[Vector3<f64>; NORM_COUNT]) -> Matrix3<f64> {
-        let mut covariance = Matrix3::zeros();
-        for j in 0..NORM_COUNT {
-            let mut column = Vector3::zeros();
-            for (i, d) in derivative.iter().enumerate() {
-                column += d * state.factor.entry(i, j).widen();
-            }
-            covariance += column * column.transpose();
-        }
-        covariance
-    }
-
     /// Standard deviations of the nine coefficients (SI), 0 elsewhere.
-    #[must_use]
-    pub fn standard_deviation(&self, state: &NormState<T>) -> Coefficients {
+    pub(super) fn standard_deviation(&self, state: &NormState<T>) -> Coefficients {
         let mut deviation = [0.0; COUNT];
         for (i, index) in NORM_INDICES.into_iter().enumerate() {
             deviation[index] = state.factor.variance(i).widen().root() * self.scale[i];
@@ -166,14 +154,16 @@ impl<T: Real> NormLoop<T> {
     }
 }
 
-/// A_a^-1 for rows a_i, by cross products; identity where the axes lie in one plane.
-fn columns_of_inverse(axes: &[ForceAxis; 3]) -> Matrix3<f64> {
-    let [a, b, c] = [&axes[0].input, &axes[1].input, &axes[2].input];
-    let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
-    let determinant = a.dot(&bc);
-    if determinant.magnitude() > 1e-6 {
-        Matrix3::from_columns(&[bc / determinant, ca / determinant, ab / determinant])
-    } else {
-        Matrix3::identity()
+#[cfg(test)]
+mod tests {
+    use super::super::coefficients::DEFAULT_SCALE;
+    use super::*;
+
+    #[test]
+    fn too_long_a_specific_force_is_a_positive_bias() {
+        let norm = NormLoop::<f64>::new(Model::new(9.8, 0.7).unwrap(), &DEFAULT_SCALE).unwrap();
+        let mut state = NormState::at(&[0.0; COUNT]);
+        norm.step(&mut state, &Measurement { value: [0.0, 9.81, 0.0], variance: [2e-13; 3] });
+        assert!(state.coefficients[FORCE_BIAS + 1] > 0.0);
     }
 }

@@ -18,22 +18,36 @@ pub const HALF_WINDOW_MAX: usize = 8;
 /// # Example
 /// ```
 /// use stillrate::gimbal::Record;
-/// let command = [[0.0; 3]; 2];
-/// let samples = [[0.0, 9.8, 0.0]; 11];
-/// let record = Record::new(&command, &samples, 0.25, 1e-6).unwrap();
-/// assert_eq!((record.per_interval(), record.epochs()), (5, 2));
+/// let command = [[0.0; 3], [0.01, 0.0, 0.0]];
+/// let mut samples = [[0.0, 9.8, 0.0]; 11];
+/// samples[6] = [0.5, 9.8, 0.0];
+/// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
+/// assert_eq!((record.per_interval(), record.epochs(), record.interval_s(), record.sigma_m_s2()), (5, 2, 0.25, 1e-6));
+/// assert_eq!((record.half_window(), record.with_half_window(9).half_window()), (2, 2)); // half way to the next epoch at the most
+/// assert!(record.jumps(1, 1e-4) && record.command(1) == command[1]); // the motion has a kink at epoch 1
+/// // The sample after epoch 1 is one fifth of an interval away from it.
+/// assert_eq!((record.sample(1, 1), record.offset_s(1)), (Some(&samples[6]), 0.05));
+/// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<'a> {
     command: &'a [[f64; 3]],
     samples: &'a [[f64; 3]],
     interval_s: f64,
-    sigma: f64,
+    sigma_m_s2: f64,
     per_interval: usize,
     half: usize,
 }
 
 /// One measurement an axis: value and variance; an infinite variance says that there is none.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::Measurement;
+/// let upright = Measurement { value: [0.0, 9.8, 0.0], variance: [2e-13; 3] }; // lines through five samples of 1e-6 m/s^2
+/// let without_z = Measurement { variance: [2e-13, 2e-13, f64::INFINITY], ..upright };
+/// assert_eq!(without_z.variance[2], Measurement::NONE.variance[2]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
     /// Value (of the output or of a residual), m/s^2.
@@ -45,6 +59,12 @@ pub struct Measurement {
 impl Measurement {
     /// No measurement.
     pub const NONE: Self = Self { value: [0.0; 3], variance: [f64::INFINITY; 3] };
+}
+
+/// Windows of neighbouring epochs do not overlap.
+const fn widest_half_window(per_interval: usize) -> usize {
+    let half = (per_interval - 1) / 2;
+    if half > HALF_WINDOW_MAX { HALF_WINDOW_MAX } else { half }
 }
 
 impl<'a> Record<'a> {
@@ -70,9 +90,7 @@ impl<'a> Record<'a> {
             ));
         }
         let per_interval = samples_after_first / n;
-        let half = (per_interval - 1) / 2;
-        let half = if half > HALF_WINDOW_MAX { HALF_WINDOW_MAX } else { half };
-        Ok(Self { command, samples, interval_s, sigma: sigma_m_s2, per_interval, half })
+        Ok(Self { command, samples, interval_s, sigma_m_s2, per_interval, half: widest_half_window(per_interval) })
     }
 
     /// Number of epochs k = 1..=n.
@@ -80,40 +98,46 @@ impl<'a> Record<'a> {
     pub const fn epochs(&self) -> usize {
         self.command.len()
     }
+
     /// Accelerometer samples in one command interval.
     #[must_use]
     pub const fn per_interval(&self) -> usize {
         self.per_interval
     }
+
     /// Command interval T, s.
     #[must_use]
     pub const fn interval_s(&self) -> f64 {
         self.interval_s
     }
+
     /// Noise of one sample, m/s^2.
     #[must_use]
-    pub const fn sigma(&self) -> f64 {
-        self.sigma
+    pub const fn sigma_m_s2(&self) -> f64 {
+        self.sigma_m_s2
     }
+
     /// The same record with windows of `half` samples to either side (0: single samples).
     #[must_use]
     pub const fn with_half_window(mut self, half: usize) -> Self {
-        let most = (self.per_interval - 1) / 2;
-        let most = if most > HALF_WINDOW_MAX { HALF_WINDOW_MAX } else { most };
+        let most = widest_half_window(self.per_interval);
         self.half = if half > most { most } else { half };
         self
     }
+
     /// Samples to either side of an epoch.
     #[must_use]
     pub const fn half_window(&self) -> usize {
         self.half
     }
+
     /// Time of sample `j` of a window from its epoch, s.
     #[must_use]
     #[inline(always)]
     pub fn offset_s(&self, j: isize) -> f64 {
         j as f64 * self.interval_s / self.per_interval as f64
     }
+
     /// Command of interval `k` (from epoch k to k + 1), the last usable one where it is not finite.
     #[must_use]
     #[inline]
@@ -126,6 +150,7 @@ impl<'a> Record<'a> {
         let before = self.command.get(..=k).unwrap_or(self.command);
         before.iter().rev().find(|w| w.iter().all(|x| x.finite())).copied().unwrap_or([0.0; 3])
     }
+
     /// Whether the command jumps by more than `limit_rad_s` at epoch `k`.
     #[must_use]
     pub fn jumps(&self, k: usize, limit_rad_s: f64) -> bool {
@@ -136,6 +161,7 @@ impl<'a> Record<'a> {
         let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
         (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).root() > limit_rad_s
     }
+
     /// The sample at an offset from an epoch, if it was recorded.
     #[must_use]
     #[inline(always)]
@@ -145,7 +171,12 @@ impl<'a> Record<'a> {
 
     /// Intercept of samples minus `predicted(j)` around epoch `k`, with its variance.
     #[inline(always)]
-    pub fn intercept(&self, k: usize, robust: bool, mut predicted: impl FnMut(isize) -> [f64; 3]) -> Measurement {
+    pub(super) fn intercept(
+        &self,
+        k: usize,
+        robust: bool,
+        mut predicted: impl FnMut(isize) -> [f64; 3],
+    ) -> Measurement {
         let mut difference = [[0.0; WINDOW]; 3];
         let mut place = [0.0; WINDOW];
         let mut n = 0;
@@ -163,15 +194,29 @@ impl<'a> Record<'a> {
         let mut measurement = Measurement::NONE;
         for axis in 0..3 {
             // The common case: a full window without a spike.
-            let full = if n == self.half * 2 + 1 { calm(&difference[axis], self.half, self.sigma) } else { None };
+            let full = if n == self.half * 2 + 1 { calm(&difference[axis], self.half, self.sigma_m_s2) } else { None };
             if let Some(value) = full {
                 measurement.value[axis] = value;
-                measurement.variance[axis] = self.sigma * self.sigma / n as f64;
-            } else if let Some((value, factor)) = line(&place, &difference[axis], n, self.sigma, robust) {
+                measurement.variance[axis] = self.sigma_m_s2 * self.sigma_m_s2 / n as f64;
+            } else if let Some((value, factor)) = line(&place, &difference[axis], n, self.sigma_m_s2, robust) {
                 measurement.value[axis] = value;
-                measurement.variance[axis] = factor * self.sigma * self.sigma;
+                measurement.variance[axis] = factor * self.sigma_m_s2 * self.sigma_m_s2;
             }
         }
         measurement
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_of_one_sample_is_that_sample() {
+        let mut samples = [[0.0, 9.8, 0.0]; 11];
+        samples[5] = [1.0, 2.0, 3.0];
+        let single = Record::new(&[[0.0; 3]; 2], &samples, 0.25, 1e-6).unwrap().with_half_window(0);
+        let one = single.intercept(1, true, |_| [0.0; 3]);
+        assert_eq!((one.value, one.variance), (samples[5], [1e-12; 3]));
     }
 }

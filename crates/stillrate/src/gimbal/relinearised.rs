@@ -19,6 +19,7 @@ use super::coefficients::Coefficients;
 use super::estimator::{Estimator, Innovation};
 use super::factor::Factor;
 use super::geometry::Geometry;
+use super::linearisation::Linearisation;
 use super::record::{Measurement, Record};
 use super::rotation::{exponential, logarithm, product};
 use super::window::{Reference, against_model, commanded, sampled_attitude};
@@ -28,72 +29,65 @@ use crate::real::Real;
 /// trajectory is then so close that residuals are the noise alone.
 pub const SPOILT_SIGMA: f64 = 6.0;
 /// First pass, s; every further one is twice as long.
-pub const FIRST_PASS_S: f64 = 15.0;
+const FIRST_PASS_S: f64 = 15.0;
 
-/// Point of linearisation: attitude at the start and coefficients.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Linearisation {
-    /// R at the start.
-    pub rotation: Matrix3<f64>,
-    /// Coefficients (attitude entries unused).
-    pub coefficients: Coefficients,
-}
-
-impl Linearisation {
-    /// The point that a full set of coefficients names: R = exp(-[phi x]).
-    #[must_use]
-    pub fn of(coefficients: &Coefficients) -> Self {
-        let phi = Vector3::new(-coefficients[0], -coefficients[1], -coefficients[2]);
-        Self { rotation: exponential(&phi), coefficients: *coefficients }
-    }
-
-    /// The full set of coefficients, attitude at the start included.
-    #[must_use]
-    pub fn coefficients(&self) -> Coefficients {
-        let mut all = self.coefficients;
-        let phi = -logarithm(&self.rotation);
-        all[..3].copy_from_slice(phi.as_slice());
-        all
-    }
-}
-
-/// A pass under way: everything after `epoch` intervals.
+/// A pass under way: everything after `epoch` intervals. [`Relinearised::estimate`] says what it believes in.
+///
+/// # Example
+/// ```
+/// # use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Estimator, Gauge, Model, Options, Record, Relinearised, Selection};
+/// # let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
+/// # let method = Relinearised::new(Estimator::<f64, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?);
+/// let (command, samples) = ([[0.0; 3]; 80], [[0.0, 9.8, 0.0]; 401]);
+/// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
+/// let mut last = Vec::new();
+/// method.run(&record, &[0.0; COUNT], |number, pass, _| {
+///     last.resize(number + 1, 0);
+///     last[number] = pass.epoch;
+/// });
+/// assert_eq!(last, [60, 80, 80]); // 15 s, the whole record, and the whole record again
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass<T, const N: usize> {
     /// The trajectory's attitude now.
-    pub rotation: Matrix3<f64>,
+    rotation: Matrix3<f64>,
     /// Where the command alone would have turned the platform.
-    pub commanded: Matrix3<f64>,
+    commanded: Matrix3<f64>,
     /// The point of linearisation, ready for use.
-    pub geometry: Geometry,
+    geometry: Geometry,
     /// d in scaled numbers.
-    pub deviation: [f64; N],
+    deviation: [f64; N],
     /// Gradient in scaled numbers: prior mean and all residuals, each times its derivatives over its variance.
-    pub gradient: [f64; N],
+    gradient: [f64; N],
     /// Scaled square root of the covariance.
-    pub factor: Factor<T, N>,
+    factor: Factor<T, N>,
     /// What became of errors of the start.
-    pub carried: Carried<N>,
+    carried: Carried<N>,
     /// Intervals so far.
     pub epoch: usize,
     /// Residuals beyond this many deviations are left out.
-    pub gate_sigma: f64,
+    gate_sigma: f64,
     /// Take the estimate from the gradient.
-    pub refined: bool,
+    refined: bool,
 }
 
 /// Recursive Gauss-Newton.
 ///
 /// # Example
 /// ```
-/// use stillrate::gimbal::{DEFAULT_SCALE, Estimator, Gauge, Model, Options, Record, Relinearised, Selection};
+/// use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Estimator, Gauge, Model, Options, Record, Relinearised, Selection};
 /// let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
 /// let estimator = Estimator::<f64, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?;
 /// let method = Relinearised::new(estimator);
 /// let (command, samples) = ([[0.0; 3]; 60], [[0.0, 9.8, 0.0]; 301]);
 /// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
-/// let solution = method.run(&record, &[0.0; 41], |_, _, _| {});
-/// assert!(solution.deviation[21] > 0.0);
+/// let mut drift = Vec::new();
+/// let solution = method.run(&record, &[0.0; COUNT], |_, pass, _| {
+///     drift.push((method.estimate(pass)[3], method.standard_deviation(pass)[3]));
+/// });
+/// // Told to stand still it stood still, to the last digit: against the turning Earth that takes a drift of gyro x.
+/// assert!(drift[0].1 > drift[59].1 && solution.coefficients[3] == drift[drift.len() - 1].0);
 /// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,6 +99,20 @@ pub struct Relinearised<T, const N: usize> {
 }
 
 /// Result of [`Relinearised::run`].
+///
+/// # Example
+/// ```
+/// # use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Estimator, Gauge, Model, NAMES, Options, Record, Relinearised, Selection};
+/// # let selection = Selection::<30>::new(Gauge::Accelerometer, Options::default())?;
+/// # let method = Relinearised::new(Estimator::<f64, 30>::new(Model::new(9.8, 0.7)?, selection, &DEFAULT_SCALE, 0.0)?);
+/// # let (command, samples) = ([[0.0; 3]; 60], [[0.0, 9.8, 0.0]; 301]);
+/// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
+/// let solution = method.run(&record, &[0.0; COUNT], |_, _, _| {});
+/// let held: Vec<_> = (0..33).filter(|&i| solution.deviation[i] == 0.0).map(|i| NAMES[i]).collect();
+/// assert_eq!(held, ["thp_x", "tho_x", "tho_y"]); // by the gauge
+/// assert!(!solution.diverged);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
     /// All coefficients; attitude at the start of the record.
@@ -125,8 +133,7 @@ impl<T: Real, const N: usize> Relinearised<T, N> {
     }
 
     /// Deviation of the prior from a point of linearisation, and everything else a pass starts with.
-    #[must_use]
-    pub fn begin(&self, point: &Linearisation, prior: &Coefficients) -> Pass<T, N> {
+    fn begin(&self, point: &Linearisation, prior: &Coefficients) -> Pass<T, N> {
         let estimator = &self.estimator;
         let scaled = estimator.scaled();
         let from = Linearisation::of(prior).rotation;
@@ -152,7 +159,7 @@ impl<T: Real, const N: usize> Relinearised<T, N> {
 
     /// One interval of a pass and the measurement at its end.
     #[inline(always)]
-    pub fn step(&self, pass: &mut Pass<T, N>, record: &Record<'_>, reference: Reference) -> [Innovation; 3] {
+    fn step(&self, pass: &mut Pass<T, N>, record: &Record<'_>, reference: Reference) -> [Innovation; 3] {
         let estimator = &self.estimator;
         let model = &estimator.model;
         let (k, dt_s) = (pass.epoch, record.interval_s());
@@ -201,15 +208,12 @@ impl<T: Real, const N: usize> Relinearised<T, N> {
         if pass.refined { pass.factor.weigh(&pass.gradient) } else { pass.deviation }
     }
 
-    /// Coefficients that a pass believes in now; the attitude entries hold the deviation from the trajectory, rad.
+    /// Coefficients that a pass believes in now, SI; the attitude entries hold the deviation from the trajectory, rad.
     #[must_use]
     pub fn estimate(&self, pass: &Pass<T, N>) -> Coefficients {
         let mut estimate = pass.geometry.coefficients;
-        let scaled = self.estimator.scaled();
         let found = Self::found(pass);
-        for ((&index, d), s) in self.estimator.selection.indices().iter().zip(&found).zip(scaled).skip(3) {
-            estimate[index] += d * s;
-        }
+        self.estimator.add_to(&mut estimate, &found);
         estimate[..3].copy_from_slice(self.estimator.attitude(&pass.carried, &found).as_slice());
         estimate
     }
@@ -221,8 +225,7 @@ impl<T: Real, const N: usize> Relinearised<T, N> {
     }
 
     /// The next point of linearisation after a pass that started at `point`.
-    #[must_use]
-    pub fn relinearise(&self, point: &Linearisation, pass: &Pass<T, N>) -> Linearisation {
+    fn relinearise(&self, point: &Linearisation, pass: &Pass<T, N>) -> Linearisation {
         let scaled = self.estimator.scaled();
         let found = Self::found(pass);
         let start = Vector3::new(found[0] * scaled[0], found[1] * scaled[1], found[2] * scaled[2]);

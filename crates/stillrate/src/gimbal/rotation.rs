@@ -3,6 +3,9 @@
 //! `exponential(v)` is exp(+[v x]) (Rodrigues: I + a [v x] + b [v x]^2 with a = sin t / t, b = (1 - cos t) / t^2, t = |v|), so
 //! that a frame rotated by +phi has the direction cosine matrix exp(-[phi x]) = `exponential(-phi)`. The angles of one step
 //! are small, so a and b come from their power series (Horner, error below 1e-17) up to half a radian.
+//!
+//! Beside [`so3`](crate::attitude::so3), which is exact at any angle in either number format, this is the same mathematics for one use: `f64` only,
+//! no sine within a step, a vector turned without its matrix. The two round differently, so they are no substitute for each other bit for bit.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -73,7 +76,7 @@ pub fn exponential(v: &Vector3<f64>) -> Matrix3<f64> {
 /// exp(+[v x]) f without the matrix: f + a v x f + b v x (v x f).
 #[must_use]
 #[inline(always)]
-pub(crate) fn turned(v: &Vector3<f64>, f: &Vector3<f64>) -> Vector3<f64> {
+pub(super) fn turned(v: &Vector3<f64>, f: &Vector3<f64>) -> Vector3<f64> {
     let (a, b) = rodrigues(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     let once = cross(v, f);
     let twice = cross(v, &once);
@@ -107,7 +110,7 @@ pub fn logarithm(r: &Matrix3<f64>) -> Vector3<f64> {
 /// Sine and cosine of a mounting angle: the series below half a radian, else the general function.
 #[must_use]
 #[inline(always)]
-pub(crate) fn sine_cosine(angle: f64) -> (f64, f64) {
+pub(super) fn sine_cosine(angle: f64) -> (f64, f64) {
     let t2 = angle * angle;
     if t2 <= SERIES_LIMIT {
         let (a, b) = rodrigues(t2);
@@ -120,14 +123,25 @@ pub(crate) fn sine_cosine(angle: f64) -> (f64, f64) {
 /// Cross product, written out.
 #[must_use]
 #[inline(always)]
-pub(crate) fn cross(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
+pub(super) fn cross(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+}
+
+/// Inverse of a matrix near the identity from its rows; the identity where they lie in one plane (absurd mounting angles).
+pub(super) fn inverse_of_rows([a, b, c]: [&Vector3<f64>; 3]) -> Matrix3<f64> {
+    let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
+    let determinant = a.dot(&bc);
+    if determinant.finite() && determinant.magnitude() > 1e-6 {
+        Matrix3::from_columns(&[bc / determinant, ca / determinant, ab / determinant])
+    } else {
+        Matrix3::identity()
+    }
 }
 
 /// Product of two 3x3 matrices, written out so that it stays in registers.
 #[must_use]
 #[inline(always)]
-pub(crate) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
     let (a, b) = (&a.data.0, &b.data.0);
     let column =
         |j: usize| -> [f64; 3] { core::array::from_fn(|i| a[0][i] * b[j][0] + a[1][i] * b[j][1] + a[2][i] * b[j][2]) };
@@ -138,7 +152,7 @@ pub(crate) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
 /// Product of a 3x3 matrix and a vector, written out.
 #[must_use]
 #[inline(always)]
-pub(crate) fn apply(a: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
+pub(super) fn apply(a: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     let a = &a.data.0;
     let row = |i: usize| a[0][i] * v[0] + a[1][i] * v[1] + a[2][i] * v[2];
     Vector3::new(row(0), row(1), row(2))

@@ -9,7 +9,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::carried::Carried;
-use super::coefficients::{COUNT, Coefficients, FORCE_BIAS, Selection};
+use super::coefficients::{COUNT, Coefficients, FORCE_BIAS};
 use super::estimator::Estimator;
 use super::factor::Factor;
 use super::geometry::Geometry;
@@ -18,6 +18,7 @@ use super::model::Model;
 use super::norm_loop::{NormLoop, NormState};
 use super::record::{Measurement, Record};
 use super::rotation::{exponential, product};
+use super::selection::Selection;
 use super::window::commanded;
 use crate::error::ConfigError;
 use crate::real::Real;
@@ -31,35 +32,38 @@ const CASCADE: f64 = 30.0;
 ///
 /// # Example
 /// ```
-/// use stillrate::gimbal::{DEFAULT_SCALE, Model, Record, TwoLoop};
-/// let two = TwoLoop::<f64>::new(Model::new(9.8, 0.7)?, &DEFAULT_SCALE)?;
+/// use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Model, Record, TwoLoop};
+/// let two = TwoLoop::<f64>::new(Model::new(9.8, 0.7)?, &DEFAULT_SCALE)?.with_plain_windows();
 /// let (command, samples) = ([[0.01, 0.0, 0.0]; 8], [[0.0, 9.8, 0.0]; 41]);
 /// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
-/// let (coefficients, _) = two.two_stage(&record, &[0.0; 41], |_, _| {});
-/// assert!(coefficients.iter().all(|c| c.is_finite()));
+/// let mut epochs = 0;
+/// let (_, on_line) = two.cascade(&record, &[0.0; COUNT], |k, _| epochs = k);
+/// let (_, afterwards) = two.two_stage(&record, &[0.0; COUNT], |_, _| {});
+/// assert_eq!(epochs, 8);
+/// assert!(afterwards[3] < on_line[3]); // the cascade doubts what the norm loop has not yet found
 /// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoLoop<T> {
     /// Loop for the accelerometers.
-    pub norm: NormLoop<T>,
+    norm: NormLoop<T>,
     /// Scales and selection of the tilt loop.
-    pub tilt: Estimator<T, TILT_COUNT>,
+    tilt: Estimator<T, TILT_COUNT>,
 }
 
 /// State of the tilt loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TiltState<T> {
+struct TiltState<T> {
     /// R = C_np.
-    pub rotation: Matrix3<f64>,
+    rotation: Matrix3<f64>,
     /// Where the command alone would have turned the platform.
-    pub commanded: Matrix3<f64>,
+    commanded: Matrix3<f64>,
     /// Coefficients; this loop changes those of the gyros.
-    pub coefficients: Coefficients,
+    coefficients: Coefficients,
     /// Scaled square root of the covariance of attitude at the start and coefficients.
-    pub factor: Factor<T, TILT_COUNT>,
+    factor: Factor<T, TILT_COUNT>,
     /// What became of errors of the start.
-    pub carried: Carried<TILT_COUNT>,
+    carried: Carried<TILT_COUNT>,
 }
 
 impl<T: Real> TwoLoop<T> {
@@ -108,7 +112,6 @@ impl<T: Real> TwoLoop<T> {
     /// Takes in the tilt of a found specific force whose own covariance (weighted) is `doubt`.
     fn correct(&self, state: &mut TiltState<T>, found: &Vector3<f64>, variance: f64, doubt: &Matrix3<f64>) {
         let model = &self.tilt.model;
-        let scaled = self.tilt.scaled();
         let back = state.rotation.transpose();
         let force = model.force(&state.rotation);
         let residual = back * (found - force);
@@ -131,24 +134,23 @@ impl<T: Real> TwoLoop<T> {
         }
         let psi = self.tilt.attitude(&state.carried, &correction);
         state.rotation = product(&exponential(&-psi), &state.rotation);
-        for ((&index, c), s) in self.tilt.selection.indices().iter().zip(&correction).zip(scaled).skip(3) {
-            state.coefficients[index] += c * s;
-        }
+        self.tilt.add_to(&mut state.coefficients, &correction);
     }
 
-    /// Both loops side by side, on line. `observe(epochs, coefficients)` is called after every epoch.
+    /// Both loops side by side, on line; returns coefficients and their standard deviations, SI.
+    /// `observe(epochs, coefficients)` is called after every epoch.
     pub fn cascade(
         &self,
         record: &Record<'_>,
         prior: &Coefficients,
         mut observe: impl FnMut(usize, &Coefficients),
     ) -> (Coefficients, Coefficients) {
-        let mut norm = self.norm.start(prior);
+        let mut norm = NormState::at(prior);
         let mut tilt = self.start(prior);
         for k in 0..record.epochs() {
             let measurement = self.advance(&mut tilt, record, k);
             if let Some(before) = self.norm.step(&mut norm, &measurement) {
-                let doubt = self.norm.force_covariance(&norm, &before.derivative) * CASCADE;
+                let doubt = norm.force_covariance(&before.derivative) * CASCADE;
                 let found = self.norm.found(&norm.coefficients, &measurement.value);
                 self.correct(&mut tilt, &found.force, measurement.variance[0], &doubt);
             }
@@ -167,7 +169,7 @@ impl<T: Real> TwoLoop<T> {
     ) -> (Coefficients, Coefficients) {
         let model = &self.tilt.model;
         let earth_rate = model.earth_rate();
-        let mut norm = self.norm.start(prior);
+        let mut norm = NormState::at(prior);
         let mut frame = Matrix3::identity();
         for k in 0..record.epochs() {
             frame = model.commanded_step(&frame, &Vector3::from(record.command(k)), &earth_rate, record.interval_s());
@@ -175,7 +177,7 @@ impl<T: Real> TwoLoop<T> {
             self.norm.step(&mut norm, &measurement);
         }
         let mut tilt = self.start(prior);
-        let mut shown = self.norm.start(prior);
+        let mut shown = NormState::at(prior);
         for k in 0..record.epochs() {
             let measurement = self.advance(&mut tilt, record, k);
             self.norm.step(&mut shown, &measurement);

@@ -15,6 +15,12 @@ use super::record::{Measurement, Record};
 pub const KINK_RAD_S: f64 = 1e-4;
 
 /// What is subtracted from the samples around an epoch before the line is fitted.
+///
+/// # Example
+/// ```
+/// use stillrate::gimbal::Reference;
+/// assert_eq!(Reference::default(), Reference::Model); // no epoch is lost to it
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reference {
     /// The specific force of the commanded motion; epochs where the command jumps are skipped.
@@ -30,7 +36,24 @@ fn command_at(record: &Record<'_>, k: usize, offset_s: f64) -> Vector3<f64> {
     Vector3::from(if offset_s < 0.0 && k > 0 { record.command(k - 1) } else { record.command(k) })
 }
 
-/// Output measured at epoch `k`, with the commanded motion subtracted inside the window and added back at its centre.
+/// Output measured at epoch `k` (m/s^2), with the commanded motion subtracted inside the window and added back at its centre.
+///
+/// `commanded` is the computed frame at the epoch, `earth_rate` in rad/s, `robust` whether spikes are looked for.
+///
+/// # Example
+/// ```
+/// use nalgebra::Matrix3;
+/// use stillrate::gimbal::{Measurement, Model, Record, window::commanded};
+/// let model = Model { earth_rate_rad_s: 0.0, ..Model::new(9.8, 0.7)? };
+/// let (command, mut samples) = ([[0.0; 3]; 2], [[0.0, 9.8, 0.0]; 11]);
+/// samples[6][0] = 1e3; // a spike beside epoch 1
+/// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
+/// let measured = |k, robust| commanded(&model, &record, k, &Matrix3::identity(), &model.earth_rate(), robust);
+/// assert_eq!(measured(1, true).value, [0.0, 9.8, 0.0]);
+/// assert!(measured(1, false).value[0] > 100.0);
+/// assert!((measured(1, true).variance[1] - 0.2e-12).abs() < 1e-27); // five samples
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[must_use]
 pub fn commanded(
     model: &Model,
@@ -62,7 +85,22 @@ pub fn commanded(
     measurement
 }
 
-/// Residual at epoch `k` against the model: samples minus model outputs, as one intercept an axis.
+/// Residual at epoch `k` against the model: samples minus model outputs (m/s^2), as one intercept an axis.
+///
+/// `rotation` is the model's attitude at the epoch, `robust` whether spikes are looked for.
+///
+/// # Example
+/// ```
+/// use nalgebra::Matrix3;
+/// use stillrate::gimbal::{COUNT, Geometry, Model, Record, window::against_model};
+/// let model = Model { earth_rate_rad_s: 0.0, ..Model::new(9.8, 0.7)? };
+/// let (command, samples) = ([[0.0; 3]; 2], [[1e-3, 9.8, 0.0]; 11]);
+/// let record = Record::new(&command, &samples, 0.25, 1e-6)?;
+/// let ideal = Geometry::new(&model, &[0.0; COUNT]);
+/// let residual = against_model(&ideal, &model, &record, 1, &Matrix3::identity(), true);
+/// assert_eq!(residual.value, [1e-3, 0.0, 0.0]); // the bias of accelerometer x
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[must_use]
 #[inline(always)]
 pub fn against_model(
@@ -86,7 +124,7 @@ pub fn against_model(
 /// Attitude that the samples claimed for epoch `k` really belong to: the epoch's own, or a latency earlier.
 #[must_use]
 #[inline]
-pub(crate) fn sampled_attitude(
+pub(super) fn sampled_attitude(
     geometry: &Geometry,
     model: &Model,
     rotation: &Matrix3<f64>,

@@ -230,7 +230,10 @@ fn what_makes_no_sense_is_refused() {
     let two = [0.01, 0.01];
     let short = Record { rates: &good().rates, steps: Steps::Each(&two) };
     assert!(solve(short, &good().fixes, &settings, Unknowns::default(), |_| ()).is_err());
-    assert!(BiasSettings { reference_sigma_rad: f64::NAN, ..settings }.check().is_err());
+    let wrong = |settings: BiasSettings| settings.check().unwrap_err().field;
+    assert_eq!(wrong(BiasSettings { reference_sigma_rad: f64::NAN, ..settings }), "reference_sigma_rad");
+    assert_eq!(wrong(BiasSettings { reference_sigma_rad: 2.0, ..settings }), "reference_sigma_rad");
+    assert_eq!(wrong(BiasSettings { angle_random_walk_rad_sqrt_s: 2.0, ..settings }), "angle_random_walk_rad_sqrt_s");
 }
 
 #[test]

@@ -34,6 +34,18 @@ pub const NAMES: [&str; UNKNOWNS] =
 const DEG: f64 = core::f64::consts::PI / 180.0;
 
 /// A reference attitude at the start of gyro sample `index` (so `index` = number of samples is the end of the record).
+///
+/// # Example
+/// ```
+/// use stillrate::attitude::reference_bias::Fix;
+/// use stillrate::attitude::{Body, Navigation, Rotation, earth};
+/// let north = Rotation::<f64, Body, Navigation>::identity();
+/// // The same heading ten seconds later is another attitude in the inertial frame: the Earth has turned.
+/// let [before, after] = [(0, 0.0), (2000, 10.0)]
+///     .map(|(index, elapsed_s)| Fix { index, attitude: earth::inertial_attitude(0.9, 0.1, north, elapsed_s) });
+/// let turned = (before.attitude.inverse() * after.attitude).log().norm();
+/// assert!((turned - 10.0 * earth::EARTH_RATE_RAD_S).abs() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix<T> {
     /// Gyro sample that begins at the fix.
@@ -49,6 +61,8 @@ pub struct Fix<T> {
 /// use stillrate::attitude::reference_bias::BiasSettings;
 /// let settings = BiasSettings { estimate_mounting: true, ..BiasSettings::default() };
 /// assert!(settings.check().is_ok());
+/// let priors: [f64; 10] = settings.priors();
+/// assert_eq!((priors[3].to_degrees(), priors[6]), (1.0, 0.0)); // a mounting within a degree; the lag is not estimated
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a setting of its own")]
@@ -111,8 +125,11 @@ impl BiasSettings {
         positive("prior_lag_s", self.prior_lag_s, "s")?;
         positive("prior_scale", self.prior_scale, "")?;
         not_negative("tolerance", self.tolerance, "")?;
-        if walk.max(sigma) > 1.0 {
-            return Err(ConfigError::new("reference_sigma_rad", sigma, "rad", "at most 1, as the walk in 1 s"));
+        if walk > 1.0 {
+            return Err(ConfigError::new("angle_random_walk_rad_sqrt_s", walk, "rad/sqrt(s)", "at most 1"));
+        }
+        if sigma > 1.0 {
+            return Err(ConfigError::new("reference_sigma_rad", sigma, "rad", "at most 1"));
         }
         if self.max_iterations == 0 || self.max_iterations > 1000 {
             let given = self.max_iterations as f64;
@@ -135,6 +152,15 @@ impl BiasSettings {
 }
 
 /// The unknowns at one point of the iteration.
+///
+/// # Example
+/// ```
+/// use stillrate::attitude::{reference_bias::Unknowns, so3};
+/// // The drawing says that the sensor is turned by 2 degrees about z: where to start, and the centre of the prior.
+/// let turned = so3::exp(&nalgebra::Vector3::new(0.0, 0.0, 2_f64.to_radians()));
+/// let start = Unknowns { mounting: turned, ..Unknowns::default() };
+/// assert_eq!((start.bias.amax(), start.lag_s, start.scale.amax()), (0.0, 0.0, 0.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unknowns<T> {
     /// Gyro bias, rad/s.
@@ -147,7 +173,30 @@ pub struct Unknowns<T> {
     pub scale: nalgebra::Vector3<T>,
 }
 
+impl<T: Real> Default for Unknowns<T> {
+    fn default() -> Self {
+        Self {
+            bias: nalgebra::Vector3::zeros(),
+            mounting: nalgebra::Matrix3::identity(),
+            lag_s: T::ZERO,
+            scale: nalgebra::Vector3::zeros(),
+        }
+    }
+}
+
 /// One iteration, for whoever watches.
+///
+/// # Example
+/// ```
+/// # use stillrate::attitude::{Rotation, reference_bias::{BiasSettings, Fix, Record, Steps, Unknowns, solve}};
+/// # let rates = [[0.0, 0.0, 1e-3_f64]; 100];
+/// # let record = Record { rates: &rates, steps: Steps::Uniform(0.01) };
+/// # let fixes = [0, 100].map(|index| Fix { index, attitude: Rotation::identity() });
+/// let mut residuals = Vec::new();
+/// solve(record, &fixes, &BiasSettings::default(), Unknowns::default(), |iteration| residuals.push(iteration.delta.z))?;
+/// assert!((residuals[0] - 1e-3).abs() < 1e-15 && residuals[1].abs() < 1e-15); // 1 s of bias, gone after one step
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Iteration<T> {
     /// Bias before the step, rad/s.
@@ -161,6 +210,20 @@ pub struct Iteration<T> {
 }
 
 /// What was found.
+///
+/// # Example
+/// ```
+/// # use stillrate::attitude::{Rotation, reference_bias::{BiasSettings, Fix, Record, Steps, Unknowns, solve}};
+/// # let rates = [[0.0, 0.0, 1e-3_f64]; 100];
+/// # let record = Record { rates: &rates, steps: Steps::Uniform(0.01) };
+/// # let fixes = [0, 100].map(|index| Fix { index, attitude: Rotation::identity() });
+/// let settings = BiasSettings { estimate_mounting: true, ..BiasSettings::default() };
+/// let found = solve(record, &fixes, &settings, Unknowns::default(), |_| ())?;
+/// // At rest the bias shows and the mounting does not: three of six directions.
+/// assert!(!found.observable() && (found.rank, found.dimension) == (3, 6));
+/// assert!(found.condition() > 1e6 && found.posterior_over_prior[3] > 0.999);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasEstimate<T> {
     /// The unknowns.

@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::UNKNOWNS;
 use crate::attitude::dcm::{cofactors, determinant};
+use crate::attitude::so3::dot;
 use crate::real::Real;
 
 type Rows<T> = SMatrix<T, 3, UNKNOWNS>;
@@ -72,7 +73,7 @@ impl<T: Real> Normal<T> {
         let weighted = information * rows;
         self.matrix += rows.transpose() * weighted;
         self.right += weighted.transpose() * residual;
-        self.chi_square += residual.dot_product(&(information * residual));
+        self.chi_square += dot(&residual, &(information * residual));
         self.before = Some((information, rows, residual));
         self.intervals += 1;
     }
@@ -80,15 +81,5 @@ impl<T: Real> Normal<T> {
     /// The next interval does not touch the last one.
     pub(super) fn cut(&mut self) {
         self.before = None;
-    }
-}
-
-trait Dot<T> {
-    fn dot_product(&self, other: &Self) -> T;
-}
-
-impl<T: Real> Dot<T> for Vector3<T> {
-    fn dot_product(&self, other: &Self) -> T {
-        self.x * other.x + self.y * other.y + self.z * other.z
     }
 }

@@ -260,9 +260,3 @@ impl<T: Real> Spectrum<T> {
         }
     }
 }
-
-impl<T: Real> Default for Unknowns<T> {
-    fn default() -> Self {
-        Self { bias: Vector3::zeros(), mounting: Matrix3::identity(), lag_s: T::ZERO, scale: Vector3::zeros() }
-    }
-}

@@ -8,6 +8,21 @@ use crate::error::ConfigError;
 use crate::real::Real;
 
 /// Durations of the gyro samples.
+///
+/// # Example
+/// ```
+/// use stillrate::attitude::Rotation;
+/// use stillrate::attitude::reference_bias::{BiasSettings, Fix, Record, Steps, Unknowns, solve};
+/// let rates = [[0.0, 0.0, 1e-3]; 4];
+/// let fixes = [0, 4].map(|index| Fix { index, attitude: Rotation::identity() });
+/// let bias = |steps| {
+///     let found = solve(Record { rates: &rates, steps }, &fixes, &BiasSettings::default(), Unknowns::default(), |_| ());
+///     found.map(|found: stillrate::attitude::reference_bias::BiasEstimate<f64>| found.unknowns.bias.z)
+/// };
+/// assert!((bias(Steps::Uniform(0.01))? - bias(Steps::Each(&[0.01, 0.02, 0.005, 0.01]))?).abs() < 1e-18);
+/// assert!(bias(Steps::Each(&[0.01, 0.0, 0.01, 0.01])).is_err()); // time must move on
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub enum Steps<'a, T> {
     /// All the same, s.
@@ -17,6 +32,15 @@ pub enum Steps<'a, T> {
 }
 
 /// Body rates, each constant over its sample: mean rates over the sample, as delta angles give them.
+///
+/// # Example
+/// ```
+/// use stillrate::attitude::reference_bias::{Record, Steps};
+/// // Delta angles of 10 ms become rates by the division that made them.
+/// let rates = [[1e-5, 0.0, -2e-5_f64]; 3].map(|angle| angle.map(|rad| rad / 0.01));
+/// let record = Record { rates: &rates, steps: Steps::Uniform(0.01) };
+/// assert_eq!(record.rates[2], [1e-3, 0.0, -2e-3]);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Record<'a, T> {
     /// Rates, rad/s.

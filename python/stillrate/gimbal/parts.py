@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stillrate import _native
-from stillrate.gimbal import Floats, Head
+from stillrate.gimbal.head import Floats, Head
 
 
 def rotation_exponential(v: npt.ArrayLike) -> Floats:

@@ -3,15 +3,23 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stillrate::gimbal::{COUNT, DEFAULT_SCALE, Gauge, Model, Options, Reference, Triads};
+use stillrate::gimbal::{COUNT, Coefficients, DEFAULT_SCALE, Gauge, Model, Options, Reference, Triads};
 use stillrate_lab::gimbal::Settings;
 
-use crate::convert::exception;
+use crate::convert::{config_error, exception};
 
-use super::gimbal::{coefficients, refused};
+/// A vector of up to 41 coefficients over a default.
+pub(super) fn coefficients(values: &[f64], default: &Coefficients) -> PyResult<Coefficients> {
+    if values.len() > COUNT {
+        return Err(PyValueError::new_err(format!("{} coefficients (there are {COUNT})", values.len())));
+    }
+    let mut all = *default;
+    all[..values.len()].copy_from_slice(values);
+    Ok(all)
+}
 
 /// Takes what is in the dictionary under a name, or the default.
-pub(crate) fn get<'py, V>(settings: &Bound<'py, PyDict>, name: &str, default: V) -> PyResult<V>
+pub(super) fn get<'py, V>(settings: &Bound<'py, PyDict>, name: &str, default: V) -> PyResult<V>
 where
     V: for<'a> FromPyObject<'a, 'py>,
 {
@@ -34,10 +42,11 @@ fn triad(rows: &[Vec<usize>], default: [[usize; 3]; 3]) -> PyResult<[[usize; 3];
     }
 }
 
-pub(crate) fn model_from(py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Model> {
+/// Place and build of a head.
+pub(super) fn model_from(py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Model> {
     let gravity = get(settings, "gravity_m_s2", 9.8)?;
     let latitude = get(settings, "latitude_rad", 40.0_f64.to_radians())?;
-    let mut model = Model::new(gravity, latitude).map_err(|e| refused(py, &e))?;
+    let mut model = Model::new(gravity, latitude).map_err(|e| config_error(py, &e))?;
     model.earth_rate_rad_s = get(settings, "earth_rate_rad_s", model.earth_rate_rad_s)?;
     if !model.earth_rate_rad_s.is_finite() {
         return Err(PyValueError::new_err("earth_rate_rad_s must be finite"));
@@ -47,11 +56,12 @@ pub(crate) fn model_from(py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResu
         gyro: triad(&get(settings, "gyro_triads", Vec::new())?, model.triads.gyro)?,
         accelerometer: triad(&get(settings, "accelerometer_triads", Vec::new())?, model.triads.accelerometer)?,
     };
-    model.triads.check().map_err(|e| refused(py, &e))?;
+    model.triads.check().map_err(|e| config_error(py, &e))?;
     Ok(model)
 }
 
-pub(crate) fn settings_from(py: Python<'_>, dict: &Bound<'_, PyDict>) -> PyResult<Settings> {
+/// Everything about a calibration but the record.
+pub(super) fn settings_from(py: Python<'_>, dict: &Bound<'_, PyDict>) -> PyResult<Settings> {
     let mut settings = Settings::new(model_from(py, dict)?);
     let wrong = |name: &str, value: &str, range: &str| {
         exception(py, "ConfigError", &format!("{name} = {value} (must be {range})"))
