@@ -17,7 +17,7 @@ use crate::random::{Generator, Random};
 /// # Example
 /// ```
 /// use stillrate_lab::recursive::bench::noise;
-/// assert!((noise().sample_variance(0.005).sqrt() - 0.05).abs() < 1e-15); // deg/s at 200 Hz
+/// assert!((noise().sample_variance(200.0).sqrt() - 0.05).abs() < 1e-15); // deg/s at 200 Hz
 /// ```
 #[must_use]
 pub fn noise() -> GyroNoise {
