@@ -156,9 +156,10 @@ impl Trial {
         let samples = Samples { rows, targets, weights: &[] };
         let usual = network.shape().decay_mask();
         let normal = normal(network, samples);
-        let Step { step, before, after, .. } = step(network, samples, &normal, mask.unwrap_or(&usual), decay, damping)?;
+        let Step { change, before, after, .. } =
+            step(network, samples, &normal, mask.unwrap_or(&usual), decay, damping)?;
         let gradient = normal.gradient.iter().map(|g| 2.0 * g).collect();
-        Some(Self { mse: normal.mse, gradient, step, before, after })
+        Some(Self { mse: normal.mse, gradient, step: change, before, after })
     }
 }
 
@@ -166,7 +167,7 @@ impl Trial {
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
     /// dp.
-    pub(crate) step: Vec<f64>,
+    pub(crate) change: Vec<f64>,
     /// Objective before.
     pub(crate) before: f64,
     /// Objective after the step, whether or not it is taken.
@@ -196,11 +197,11 @@ pub(crate) fn step(
     }
     gradient.neg_mut();
     let solution = matrix.cholesky()?.solve(&gradient);
-    let step: Vec<f64> = solution.iter().copied().collect();
-    let moved = network.moved(&step);
+    let change: Vec<f64> = solution.iter().copied().collect();
+    let moved = network.moved(&change);
     let before = normal.mse + penalty(network, mask, decay);
     let after = mean_square(&moved, samples) + penalty(&moved, mask, decay);
-    Some(Step { step, before, after, network: moved })
+    Some(Step { change, before, after, network: moved })
 }
 
 /// g = J'e/N + lam D p (half the gradient of the objective).
