@@ -114,6 +114,7 @@ def test_a_traced_swarm_refuses_what_is_no_box():
 
 def test_a_track_needs_a_sample_rate():
     z = np.random.default_rng(1).standard_normal(200)
-    tuned = rt.tune(z, 100.0, z)
+    with pytest.warns(rt.TuningWarning):
+        tuned = rt.tune(z, 100.0, z)
     with pytest.raises(sr.LogError, match="sample_rate_hz = 0"):
         rt.track(z, tuned, 0.0)
