@@ -6,14 +6,9 @@ import numpy as np
 import pytest
 import stillrate as sr
 from stillrate import _native
+from turntable import RATE_HZ, sine
 
 rt = sr.rate_table
-RATE_HZ = 2000.0
-
-
-def sine(amplitude, hz, seconds=10.0, unit=0, seed=5):
-    truth = amplitude * np.sin(2 * np.pi * hz * np.arange(int(seconds * RATE_HZ)) / RATE_HZ)
-    return truth, _native.rate_table_record(truth.tolist(), unit, seed, RATE_HZ)
 
 
 def test_innovations_find_the_optimum_of_the_truth_on_moving_records():
@@ -99,3 +94,27 @@ def test_a_search_with_only_nan_is_an_error_and_a_callback_stops_it():
         rt.minimise(lambda p: p[:, 0], [0.0], [1.0], "qpso", progress=lambda *_: False)
     with pytest.raises(ZeroDivisionError):
         rt.minimise(lambda p: 1 / 0, [0.0], [1.0], "qpso")
+
+
+@pytest.mark.parametrize("method", ["qpso", "de"])
+def test_a_search_over_no_box_or_stopped_is_an_error_with_every_method(method):
+    pytest.importorskip("scipy")
+    for lower, upper in ([], []), ([0.0, 0.0], [1.0]), ([1.0], [0.0]), ([0.0], [np.inf]):
+        with pytest.raises(sr.LogError, match="bounds"):
+            rt.minimise(lambda p: p[:, 0], lower, upper, method)
+    with pytest.raises(sr.LogError, match="stopped by the caller"):
+        rt.minimise(lambda p: p[:, 0], [0.0], [1.0], method, progress=lambda *_: False)
+
+
+def test_a_traced_swarm_refuses_what_is_no_box():
+    for lower, upper in ([], []), ([0.0, 0.0], [1.0]), ([1.0], [0.0]):
+        with pytest.raises(sr.LogError, match="bounds"):
+            rt.qpso_trace(lambda p: p[:, 0], lower, upper, rt.uniforms(1, 2000), particles=2, iterations=3)
+
+
+def test_a_track_needs_a_sample_rate():
+    z = np.random.default_rng(1).standard_normal(200)
+    with pytest.warns(rt.TuningWarning):
+        tuned = rt.tune(z, 100.0, z)
+    with pytest.raises(sr.LogError, match="sample_rate_hz = 0"):
+        rt.track(z, tuned, 0.0)

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from stillrate import _native
 from stillrate.cli import main
+from turntable import RATE_HZ, sine
 
 rt = sr.rate_table
-RATE_HZ = 2000.0
 
 
 @pytest.fixture(scope="module")
@@ -25,11 +25,6 @@ def calibration():
 def model(calibration):
     truth, measured = calibration
     return rt.fit(measured, truth, sample_rate_hz=RATE_HZ)
-
-
-def sine(amplitude, hz, seconds=10.0, unit=0, seed=5):
-    truth = amplitude * np.sin(2 * np.pi * hz * np.arange(int(seconds * RATE_HZ)) / RATE_HZ)
-    return truth, _native.rate_table_record(truth.tolist(), unit, seed, RATE_HZ)
 
 
 def test_an_honest_fit_follows_the_true_error_curve(model):
@@ -166,6 +161,26 @@ def test_five_samples_do_not_train_thirty_one_parameters():
         rt.train(np.linspace(-1, 1, 5), np.zeros(5))
     with pytest.raises(sr.LogError, match="not finite"):
         rt.train(np.r_[np.nan, np.linspace(-1, 1, 400)], np.zeros(401))
+
+
+def test_networks_that_cannot_be_trained_are_refused():
+    x = np.linspace(-1, 1, 70_000)
+    for rows, options, why in [
+        (x, {"hidden": 1025}, "1025 units"),
+        (np.zeros((400, 17)), {"hidden": 1}, "17 inputs"),
+        (x, {"decay": np.nan}, "decay = NaN"),
+        (x, {"decay": -1.0}, "decay = -1"),
+    ]:
+        with pytest.raises(sr.LogError, match=why):
+            rt.train(rows, np.zeros(len(rows)), **options)
+
+
+def test_a_score_without_an_error_to_correct_is_no_division_by_zero():
+    nothing = rt.fit_points([-3.0, 0.0, 3.0], [0.0, 0.0, 0.0], [0.001] * 3, candidates=["offset"])
+    assert np.isnan(nothing.score().ratio)
+    assert np.isnan(nothing.score([1.0], [1.0]).ratio)
+    offset = rt.fit_points([-3.0, 0.0, 3.0], [0.1, 0.1, 0.1], [0.001] * 3, candidates=["offset"])
+    assert offset.score([1.0], [1.0]).ratio == np.inf
 
 
 def test_segments_are_found_from_the_table_rates_alone(calibration):

@@ -129,6 +129,12 @@ def test_forgetting_factors_outside_the_unit_interval_are_refused(lam: float) ->
         closed_forms.rls_gain(lam, 3)
 
 
+@pytest.mark.parametrize("order", [-1, 0, 17])
+def test_orders_of_vector_least_squares_outside_1_to_16_are_refused(order: int) -> None:
+    with pytest.raises(sr.ConfigError, match=f"order = {order} "):
+        sr.VectorRls(order)
+
+
 def test_memory_may_be_said_in_seconds_or_as_a_factor() -> None:
     by_tau = sr.RecursiveLeastSquares(sample_rate_hz=200.0, tau_s=0.1)
     assert by_tau.forgetting_factor == pytest.approx(math.exp(-0.05), abs=1e-15)

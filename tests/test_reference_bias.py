@@ -111,7 +111,7 @@ def test_observability_names_the_weak_direction() -> None:
 @pytest.mark.skipif(not RECORDINGS.is_dir(), reason="the recordings are not part of the project")
 @pytest.mark.parametrize("name", ["broad_02_undisturbed_slow_rotation_B", "broad_07_undisturbed_fast_rotation_B"])
 def test_bias_of_a_real_gyro_agrees_with_its_rest(name: str) -> None:
-    from stillrate.reproduce.recursive import broad_gap
+    from stillrate.reproduce.broad import broad_gap
 
     gap = broad_gap(RECORDINGS / f"{name}.npz")
     # An independent correlation of the two rates found 4.1 to 4.2 ms; a quarter of the 3.5 ms sample period either way.

@@ -138,12 +138,7 @@ class RateTableModel:
     def from_text(text: str) -> RateTableModel: ...
     @staticmethod
     def from_network(
-        inputs: int,
-        hidden: int,
-        linear: bool,
-        parameters: list[float],
-        input_scaling: list[tuple[float, float]],
-        output_scaling: tuple[float, float],
+        network: RateTableNetwork, input_scaling: list[tuple[float, float]], output_scaling: tuple[float, float]
     ) -> RateTableModel: ...
     def to_text(self) -> str: ...
     def with_sample_rate(self, sample_rate_hz: float) -> RateTableModel: ...
@@ -154,6 +149,16 @@ class RateTableModel:
     def steepest(self) -> float: ...
     def guard(self, limit: float) -> None: ...
     def facts(self) -> dict[str, Any]: ...
+
+@final
+class RateTableNetwork:
+    """A network of one tanh layer."""
+
+    def __new__(cls, inputs: int, hidden: int, linear: bool, parameters: _Floats) -> RateTableNetwork: ...
+    def evaluate(self, rows: _Floats) -> dict[str, _Floats]: ...
+    def step(
+        self, rows: _Floats, targets: _Floats, decay: float, mask: _Floats | None, damping: float
+    ) -> dict[str, Any]: ...
 
 @final
 class NoiseObjective:
@@ -172,20 +177,6 @@ class NoiseObjective:
     def values(self, points: _Floats, dimensions: int) -> _Floats: ...
     def finish(self, point: list[float], value: float, evaluations: int) -> dict[str, Any]: ...
 
-def network_evaluate(
-    inputs: int, hidden: int, linear: bool, parameters: _Floats, rows: _Floats
-) -> dict[str, _Floats]: ...
-def network_step(
-    inputs: int,
-    hidden: int,
-    linear: bool,
-    parameters: _Floats,
-    rows: _Floats,
-    targets: _Floats,
-    decay: float,
-    mask: _Floats | None,
-    damping: float,
-) -> dict[str, Any]: ...
 def network_train(
     inputs: int,
     hidden: int,
@@ -210,14 +201,7 @@ def kalman_random_walk(
     measurement_variance: float,
     start_rate: float,
     start_variance: float,
-) -> tuple[_Floats, _Floats, _Floats]: ...
-def kalman_score(
-    measured: _Floats,
-    process_noise: float,
-    measurement_variance: float,
-    start_rate: float,
-    start_variance: float,
-) -> tuple[float, float, float]: ...
+) -> dict[str, Any]: ...
 def kalman_track(measured: _Floats, model: str, log10_ratio: float, period_s: float) -> _Floats: ...
 def compare_rates(estimate: _Floats, truth: _Floats) -> tuple[float, float]: ...
 def tune_noise(

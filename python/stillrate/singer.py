@@ -8,7 +8,16 @@ from stillrate import _native
 
 
 class SingerCoefficients(NamedTuple):
-    """Transition [[1, r], [0, s]] and process noise [[q11, q12], [q12, q22]] for unit driving noise density."""
+    """Transition [[1, r], [0, s]] and process noise [[q11, q12], [q12, q22]] for unit driving noise density.
+
+    States are rate and acceleration; r, q22 are in s, s is pure, q12 in s^2, q11 in s^3.
+
+    Examples
+    --------
+    >>> step = singer_coefficients(0.0, 3.0)  # constant acceleration: T, 1; T^3/3, T^2/2, T
+    >>> (step.r, step.s), (step.q11, step.q12, step.q22)
+    ((3.0, 1.0), (9.0, 4.5, 3.0))
+    """
 
     r: float
     s: float

@@ -57,6 +57,12 @@ class VectorRls:
     ...     _ = rls.update([1.0, k % 3], 2.0 + 3.0 * (k % 3))
     >>> [round(float(w), 2) for w in rls.weights]
     [2.0, 3.0]
+    >>> float(rls.covariance.trace()) < 200.0  # of order 2 it began with 100 on the diagonal
+    True
+    >>> rls.reset()
+    >>> trace = rls.run([[1.0, k % 3] for k in range(50)], [2.0 + 3.0 * (k % 3) for k in range(50)])
+    >>> trace.weights.shape == (50, rls.order), [round(float(w), 2) for w in trace.weights[-1]]
+    (True, [2.0, 3.0])
     """
 
     def __init__(

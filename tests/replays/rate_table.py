@@ -164,7 +164,7 @@ def _metrics(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _staircase(data: dict[str, Any]) -> dict[str, Any]:
-    """Answer the curve; "expect" is a word, answered as 1 where the guard rejects and 0 where it does not."""
+    """Answer the curve and its slope; what the file "expects" of the guard is a word and no answer."""
     hidden = (len(data["params"]) - 1) // 3
     lows, ranges = np.atleast_1d(data["x_min"]), np.atleast_1d(data["x_range"])
     model = rt.Network(parameters=data["params"], hidden=hidden).error_model(

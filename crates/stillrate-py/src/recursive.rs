@@ -4,11 +4,9 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use stillrate::filters::{
-    BiquadSettings, FirLowPassSettings, OneEuroSettings, Pt1, RecursiveLeastSquaresSettings, closed_forms,
-};
-use stillrate::{ConfigError, Filter, GyroNoise, Sample, Settings};
-use stillrate_lab::recursive::{bench, response, scenarios, two_fixes};
+use stillrate::filters::{FirLowPassSettings, OneEuroSettings, closed_forms};
+use stillrate::{ConfigError, GyroNoise, Settings};
+use stillrate_lab::recursive::{bench, gains, matched, scenarios, two_fixes};
 
 use crate::convert::config_error;
 use crate::vector_rls::refused;
@@ -44,33 +42,12 @@ fn closed_form(name: &str, first: f64, second: f64) -> PyResult<f64> {
     })
 }
 
-fn unit_noise() -> GyroNoise {
-    GyroNoise::from_density_two_sided(1.0)
-}
+type Columns<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
-/// Gains g1 and g2 of order 2 at samples 1..=count, from the response of the filter itself to one sample of 1.
+/// Gains g1 and g2 of order 2 at samples 1..=count.
 #[pyfunction]
-#[allow(clippy::type_complexity)]
-fn order_2_gains(
-    py: Python<'_>,
-    forgetting_factor: f64,
-    count: usize,
-) -> PyResult<(Bound<'_, PyArray1<f64>>, Bound<'_, PyArray1<f64>>)> {
-    let tau_s = closed_forms::tau_samples(forgetting_factor);
-    let defaults = RecursiveLeastSquaresSettings::defaults(1.0, unit_noise());
-    let filter = RecursiveLeastSquaresSettings { order: 2.0, tau_s, forgetting_factor, ..defaults }
-        .build::<f64>()
-        .map_err(|error| refused(py, error))?;
-    let (mut level, mut slope) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    let mut state = filter.start();
-    for _ in 0..count {
-        // Everything before was zero: what a sample of 1 does to level and slope is the gain.
-        let mut trial = state;
-        let estimate = filter.step(&mut trial, Sample { value: 1.0, dt: 1.0 });
-        level.push(estimate.rate);
-        slope.push(estimate.acceleration);
-        filter.step(&mut state, Sample { value: 0.0, dt: 1.0 });
-    }
+fn order_2_gains(py: Python<'_>, forgetting_factor: f64, count: usize) -> PyResult<Columns<'_>> {
+    let (level, slope) = gains::order_2_gains(forgetting_factor, count).map_err(|error| refused(py, error))?;
     Ok((level.into_pyarray(py), slope.into_pyarray(py)))
 }
 
@@ -81,7 +58,7 @@ fn fir_taps<'py>(py: Python<'py>, window: &str, length: f64, cutoff: f64) -> PyR
     let Some(window) = windows.iter().position(|name| *name == window) else {
         return Err(PyValueError::new_err(format!("window = '{window}' (must be one of {})", windows.join(", "))));
     };
-    let defaults = FirLowPassSettings::defaults(1.0, unit_noise());
+    let defaults = FirLowPassSettings::defaults(1.0, GyroNoise::from_density_two_sided(1.0));
     let settings = FirLowPassSettings { window, length, cutoff_hz: cutoff, ..defaults };
     let (taps, count) = settings.designed().map_err(|error| refused(py, error))?;
     Ok(PyArray1::from_slice(py, &taps[..count]))
@@ -90,34 +67,7 @@ fn fir_taps<'py>(py: Python<'py>, window: &str, length: f64, cutoff: f64) -> PyR
 /// Steady-state responses of the filters with matched noise reduction.
 #[pyfunction]
 fn recursive_responses(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
-    let fs = scenarios::SAMPLE_RATE_HZ;
-    let rows = py.detach(|| -> Result<Vec<(&str, response::Response)>, ConfigError> {
-        let fir = |window: usize, length: f64, cutoff_hz: f64| {
-            FirLowPassSettings { window, length, cutoff_hz, ..FirLowPassSettings::defaults(fs, bench::noise()) }
-                .build::<f64>()
-        };
-        let pt1 = |gain: f64| Pt1::<f64>::new(fs, gain / (1.0 - gain) * fs / core::f64::consts::TAU);
-        let (mut first, mut second) = (response::feed(pt1(0.09505)?), response::feed(pt1(0.09505)?));
-        let butterworth = BiquadSettings {
-            cutoff_hz: 0.01127 * fs,
-            quality: core::f64::consts::FRAC_1_SQRT_2,
-            ..BiquadSettings::defaults(fs, bench::noise())
-        };
-        let mut rows = Vec::new();
-        let mut add = |name, run: &mut dyn FnMut(f64) -> f64| rows.push((name, response::response(run)));
-        add("RLS = KF = EMA steady", &mut response::feed(bench::least_squares(1.0, 0.9512).build::<f64>()?));
-        add("boxcar 40", &mut response::feed(fir(0, 40.0, 0.0)?));
-        add("Hann window 61", &mut response::feed(fir(1, 61.0, 0.0)?));
-        add("Hamming 56", &mut response::feed(fir(2, 56.0, 0.0)?));
-        add("Blackman 71", &mut response::feed(fir(3, 71.0, 0.0)?));
-        add("firwin Hamming 81, .0159", &mut response::feed(fir(2, 81.0, 0.0159 * fs)?));
-        add("PT2 (a = .09505 twice)", &mut |value| second(first(value)));
-        add("Butterworth-2, .01127", &mut response::feed(butterworth.build::<f64>()?));
-        let order_2 = bench::least_squares(2.0, 0.980_031);
-        add("order-2 RLS .980031", &mut response::feed(order_2.build::<f64>()?));
-        Ok(rows)
-    });
-    let rows = rows.map_err(|error| refused(py, error))?;
+    let rows = py.detach(matched::responses).map_err(|error| refused(py, error))?;
     let dicts = rows.into_iter().map(|(name, found)| -> PyResult<_> {
         let dict = PyDict::new(py);
         dict.set_item("name", name)?;

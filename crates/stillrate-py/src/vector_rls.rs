@@ -53,7 +53,7 @@ fn sized<T: Real, const N: usize>(settings: VectorRlsSettings) -> Result<Box<dyn
     Ok(Box::new(Sized { rls, state: rls.start() }))
 }
 
-fn of_order<T: Real>(order: usize, settings: VectorRlsSettings) -> Result<Box<dyn AnyVectorRls>, ConfigError> {
+fn of_order<T: Real>(order: i64, settings: VectorRlsSettings) -> Result<Box<dyn AnyVectorRls>, ConfigError> {
     macro_rules! orders {
         ($($n:literal),*) => {
             match order {
@@ -77,7 +77,7 @@ impl NativeVectorRls {
     #[new]
     fn new(
         py: Python<'_>,
-        order: usize,
+        order: i64,
         forgetting_factor: f64,
         initial_covariance: f64,
         trace_max: f64,
@@ -85,7 +85,8 @@ impl NativeVectorRls {
     ) -> PyResult<Self> {
         let settings = VectorRlsSettings { forgetting_factor, initial_covariance, trace_max };
         let built = if single { of_order::<f32>(order, settings) } else { of_order::<f64>(order, settings) };
-        Ok(Self { inner: Mutex::new(built.map_err(|error| refused(py, error))?), order })
+        let inner = Mutex::new(built.map_err(|error| refused(py, error))?);
+        Ok(Self { inner, order: order as usize })
     }
 
     /// One sample: prediction, innovation, flags.

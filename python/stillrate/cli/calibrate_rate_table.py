@@ -130,16 +130,13 @@ def _summary(model: ErrorModel) -> Table:
     from rich import box
     from rich.table import Table
 
+    from stillrate.rate_table.parts import told
+
     table = Table(title="Candidates, deg/s RMS", box=box.SIMPLE_HEAD, title_justify="left")
     for name in ("curve", "left-out rates", "fitted rates", "steepest slope", ""):
         table.add_column(name, justify="left" if name in ("curve", "") else "right")
     for found in model.calibration.candidates if model.calibration else ():
-        note = found.refused or ("chosen" if found.name == model.kind else "")
-        cells = [
-            f"{v:.4g}" if np.isfinite(v) else "-"
-            for v in (found.held_out_dps, found.residual_dps, found.steepest_slope)
-        ]
-        table.add_row(found.name, *cells, note)
+        table.add_row(*told(found, model.kind))
     return table
 
 

@@ -28,19 +28,19 @@ class ErrorModel:
     kind : str
         Which class of curves it is.
     low_dps, high_dps : float
-        Calibrated range of the rate.
+        Calibrated range of the rate, deg/s.
     temperature_range_c : tuple of float or None
-        Calibrated range of the temperature, if it is an input.
+        Calibrated range of the temperature in °C, if it is an input.
     held_out_dps : float
-        RMS error at rates left out of the fit.
+        RMS error at rates left out of the fit, deg/s.
     uncorrected_dps : float
-        RMS error that subtracting nothing leaves at the same points.
+        RMS error, deg/s, that subtracting nothing leaves at the same points.
     rates : int
         Distinct rates behind the fit.
     sample_rate_hz : float or None
-        Sample rate of the calibration log.
+        Sample rate of the calibration log, Hz.
     slope_limit : float
-        Steepest slope that was allowed.
+        Steepest slope that was allowed, deg/s per deg/s.
     calibration : Calibration or None
         Points and candidates; not kept in the file.
 
@@ -51,7 +51,17 @@ class ErrorModel:
     >>> true = np.repeat(np.arange(-6.0, 7.0), 400)
     >>> rate = 1.002 * true + 0.03 + 0.01 * np.sin(np.arange(true.size) * 2.4)
     >>> model = fit(rate, true)
-    >>> bool(abs(model.predict([5.0])[0] - 0.04) < 1e-3)
+    >>> bool(abs(model.predict([5.0])[0] - 0.04) < 1e-3), bool(abs(model.correct([5.04])[0] - 5.0) < 1e-3)
+    (True, True)
+    >>> model.outside([5.0, 9.0]).tolist(), model.slope([9.0]).tolist()
+    ([False, True], [0.0])
+    >>> model.check()  # no steeper than a sensor's error
+    >>> model.steepest_slope() < 0.01, model.score().ratio < 0.1  # of the error without correction, at rates left out
+    (True, True)
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     model.save(Path(folder, "gyro.json"))
+    ...     ErrorModel.load(Path(folder, "gyro.json")) == model
     True
     """
 
@@ -115,14 +125,12 @@ class ErrorModel:
     ) -> Score:
         """Return how much the correction helps on a log, or on the left-out rates of the fit if no log is given."""
         if rate_dps is None or true_dps is None:
-            raw, corrected = self.uncorrected_dps, self.held_out_dps
-            return Score(raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=0.0, held_out=True)
+            return _score(self.uncorrected_dps, self.held_out_dps, 0.0, held_out=True)
         measured, true = as_floats(rate_dps, "rate_dps"), as_floats(true_dps, "true_dps")
         if measured.size != true.size:
             raise LogError(f"{true.size} true rates for {measured.size} measured ones (must be as many)")
         temperature = None if temperature_c is None else as_floats(temperature_c, "temperature_c")
-        raw, corrected, share = refusals(self.native.score, measured, true, temperature)
-        return Score(raw_dps=raw, corrected_dps=corrected, ratio=corrected / raw, out_of_range=share, held_out=False)
+        return _score(*refusals(self.native.score, measured, true, temperature), held_out=False)
 
     def save(self, path: str | Path, *, force: bool = False) -> None:
         """Write the model as JSON with version and checksum.
@@ -150,28 +158,9 @@ class ErrorModel:
         if path.stat().st_size > MAX_BYTES:
             raise LogError(f"{path}: {path.stat().st_size} bytes (a model has at most {MAX_BYTES})")
         try:
-            return cls.from_native(_native.RateTableModel.from_text(path.read_text(encoding="utf-8")))
+            return wrap(_native.RateTableModel.from_text(path.read_text(encoding="utf-8")))
         except ValueError as error:
             raise LogError(f"{path}: {error}") from None
-
-    @classmethod
-    def from_native(cls, native: Any, calibration: Calibration | None = None) -> ErrorModel:
-        """Wrap a compiled model."""
-        facts = native.facts()
-        low, high = facts["low"], facts["high"]
-        return cls(
-            kind=facts["kind"],
-            low_dps=low[0],
-            high_dps=high[0],
-            temperature_range_c=(low[1], high[1]) if facts["needs_temperature"] else None,
-            held_out_dps=facts["held_out_dps"],
-            uncorrected_dps=facts["uncorrected_dps"],
-            rates=facts["rates"],
-            sample_rate_hz=facts["sample_rate_hz"],
-            slope_limit=facts["slope_limit"],
-            native=native,
-            calibration=calibration,
-        )
 
     def _map(
         self, what: str, rate_dps: npt.ArrayLike, temperature_c: npt.ArrayLike | None
@@ -182,3 +171,28 @@ class ErrorModel:
             temperature = as_floats(np.broadcast_to(temperature_c, rates.shape), "temperature_c")
         pair: tuple[Floats, npt.NDArray[np.bool_]] = refusals(getattr(self.native, what), rates, temperature)
         return pair
+
+
+def _score(raw: float, corrected: float, outside: float, *, held_out: bool) -> Score:
+    nothing = np.inf if corrected > 0.0 else np.nan  # where there was no error to correct
+    ratio = corrected / raw if raw > 0.0 else nothing
+    return Score(raw_dps=raw, corrected_dps=corrected, ratio=ratio, out_of_range=outside, held_out=held_out)
+
+
+def wrap(native: Any, calibration: Calibration | None = None) -> ErrorModel:
+    """Return a compiled model as an `ErrorModel`."""
+    facts = native.facts()
+    low, high = facts["low"], facts["high"]
+    return ErrorModel(
+        kind=facts["kind"],
+        low_dps=low[0],
+        high_dps=high[0],
+        temperature_range_c=(low[1], high[1]) if facts["needs_temperature"] else None,
+        held_out_dps=facts["held_out_dps"],
+        uncorrected_dps=facts["uncorrected_dps"],
+        rates=facts["rates"],
+        sample_rate_hz=facts["sample_rate_hz"],
+        slope_limit=facts["slope_limit"],
+        native=native,
+        calibration=calibration,
+    )

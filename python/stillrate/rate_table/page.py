@@ -10,7 +10,7 @@ import numpy as np
 from stillrate.io.safely import atomic
 from stillrate.rate_table.drawing import Line, picture
 from stillrate.rate_table.model import ErrorModel
-from stillrate.rate_table.parts import Calibration
+from stillrate.rate_table.parts import Calibration, Floats, told
 
 _STYLE = (
     ":root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;max-width:56rem;"
@@ -44,13 +44,11 @@ def render(model: ErrorModel, source: str) -> str:
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
         f'<meta name="viewport" content="width=device-width, initial-scale=1"><style>{_STYLE}</style></head><body>',
         f"<h1>{title}</h1>",
-        f"<p>Chosen: <b>{html.escape(model.kind)}</b>, {model.low_dps:g} .. {model.high_dps:g} "
-        f"deg/s, {model.rates} distinct rates. "
+        f"<p>Chosen: <b>{html.escape(model.kind)}</b>, {model.low_dps:g} .. {model.high_dps:g} deg/s, {model.rates} distinct rates. "
         f"Systematic error {score.raw_dps:.3g} deg/s RMS uncorrected, "
         f"<b>{score.corrected_dps:.3g}</b> at rates left out of the fit. "
         f"Steepest slope {model.steepest_slope():.3g} (limit {model.slope_limit:g}).</p>",
-        "<p>Outside the calibrated range the value at the edge is held and flagged. The figures "
-        "are about the systematic error; "
+        "<p>Outside the calibrated range the value at the edge is held and flagged. The figures are about the systematic error; "
         "noise and slow drift are a filter's business.</p>",
     ]
     if model.calibration is not None:
@@ -77,34 +75,21 @@ def _curve(model: ErrorModel, points: Calibration) -> str:
     for degrees, colour in _temperatures(model):
         name = f"{model.kind}, edges held" + ("" if degrees is None else f", {degrees:.3g} °C")
         lines.append(Line(name, grid, model.predict(grid, degrees), colour))
-    lines.append(
-        Line(
-            "segments, two standard errors",
-            points.rate_dps,
-            points.error_dps,
-            "#e0884a",
-            marks=True,
-            error=2.0 * points.standard_error_dps,
-        )
-    )
+    lines.append(_marks("segments", points, points.error_dps, "#e0884a"))
     return picture("Error curve", "true rate, deg/s", "measured less true, deg/s", lines)
+
+
+def _marks(name: str, points: Calibration, values: Floats, colour: str) -> Line:
+    """Return a mark a calibration point with a bar of two standard errors."""
+    bars = 2.0 * points.standard_error_dps
+    return Line(f"{name}, two standard errors", points.rate_dps, values, colour, marks=True, error=bars)
 
 
 def _candidates(model: ErrorModel, points: Calibration) -> str:
     rows = []
     for found in points.candidates:
-        cells = [
-            f"{v:.4g}" if np.isfinite(v) else "-"
-            for v in (found.held_out_dps, found.residual_dps, found.steepest_slope)
-        ]
-        chosen = found.name == model.kind
-        note = found.refused or ("chosen" if chosen else "")
-        inner = "".join(f"<td>{cell}</td>" for cell in cells)
-        rows.append(
-            f"<tr "
-            f'class="{"chosen" if chosen else ""}"><td>{html.escape(found.name)}</td>'
-            f"{inner}<td>{html.escape(note)}</td></tr>"
-        )
+        cells = "".join(f"<td>{html.escape(cell)}</td>" for cell in told(found, model.kind))
+        rows.append(f'<tr class="{"chosen" if found.name == model.kind else ""}">{cells}</tr>')
     return (
         '<h2>Candidates</h2><div class="scroll"><table><tr><th>curve</th><th>left-out rates, deg/s RMS</th>'
         "<th>fitted rates, deg/s RMS</th><th>steepest slope</th><th></th></tr>" + "".join(rows) + "</table></div>"
@@ -113,14 +98,7 @@ def _candidates(model: ErrorModel, points: Calibration) -> str:
 
 
 def _residuals(points: Calibration) -> str:
-    line = Line(
-        "residual, two standard errors",
-        points.rate_dps,
-        points.residual_dps,
-        "#1467c8",
-        marks=True,
-        error=2.0 * points.standard_error_dps,
-    )
+    line = _marks("residual", points, points.residual_dps, "#1467c8")
     zero = Line("zero", np.array([points.rate_dps.min(), points.rate_dps.max()]), np.zeros(2), "#999999")
     rows = "".join(
         f"<tr><td>{rate:.5g}</td><td>{'' if np.isnan(degrees) else f'{degrees:.4g}'}</td>"

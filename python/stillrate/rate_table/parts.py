@@ -47,6 +47,13 @@ class Candidate:
         Largest magnitude of the error's slope in the rate.
     refused : str or None
         Why it was not allowed to win.
+
+    Examples
+    --------
+    >>> from stillrate.rate_table import fit_points
+    >>> model = fit_points([-3.0, 0.0, 3.0], [0.01, 0.02, 0.03], [0.001] * 3)
+    >>> {found.name: found.refused for found in model.calibration.candidates}["cubic"]
+    '3 distinct rates (must be at least 5)'
     """
 
     name: str
@@ -56,9 +63,38 @@ class Candidate:
     refused: str | None
 
 
+def told(found: Candidate, chosen: str) -> list[str]:
+    """Return a row of a table: the candidate's name, its figures, and why it is not the `chosen` one."""
+    figures = (found.held_out_dps, found.residual_dps, found.steepest_slope)
+    note = found.refused or ("chosen" if found.name == chosen else "")
+    return [found.name, *(f"{v:.4g}" if np.isfinite(v) else "-" for v in figures), note]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
-    """The points behind a model and the candidates it was chosen from. All arrays have shape (points,), in deg/s."""
+    """The points behind a model and the candidates it was chosen from.
+
+    Attributes
+    ----------
+    rate_dps, error_dps, standard_error_dps, residual_dps : ndarray, shape (points,)
+        True rate, mean error, its standard error, and what the model leaves of the error.
+    temperature_c : ndarray, shape (points,)
+        Mean temperature; NaN without one.
+    samples : ndarray, shape (points,)
+        Samples in each mean.
+    candidates : tuple of Candidate
+        All curves, simplest first.
+
+    Examples
+    --------
+    >>> from stillrate.rate_table import fit
+    >>> table = np.repeat([-4.0, 0.0, 4.0], 300)
+    >>> points = fit(table + 0.02 + 0.01 * np.sin(np.arange(900) * 2.4), table).calibration
+    >>> points.rate_dps.tolist(), points.samples.tolist()
+    ([-4.0, 0.0, 4.0], [300.0, 300.0, 300.0])
+    >>> bool(np.abs(points.error_dps - 0.02).max() < 1e-3)
+    True
+    """
 
     rate_dps: Floats
     temperature_c: Floats
@@ -78,11 +114,19 @@ class Score:
     raw_dps, corrected_dps : float
         RMS of measured (corrected) less true rate, deg/s. For noisy samples both are dominated by the noise.
     ratio : float
-        corrected over raw: above 1 the correction does harm.
+        corrected over raw: above 1 the correction does harm; NaN where there was no error and none was added.
     out_of_range : float
         Share of samples outside the calibrated range, where the edge value was held.
     held_out : bool
         Whether the figures come from rates that were left out of the fit.
+
+    Examples
+    --------
+    >>> from stillrate.rate_table import fit_points
+    >>> model = fit_points([-3.0, 0.0, 3.0], [0.01, 0.02, 0.03], [0.001] * 3)
+    >>> score = model.score([1.0, 5.0], [0.977, 4.97])  # 0.023 deg/s of error, then 0.03 beyond the calibrated range
+    >>> round(score.raw_dps, 4), score.ratio < 0.1, score.out_of_range
+    (0.0267, True, 0.5)
     """
 
     raw_dps: float

@@ -15,6 +15,13 @@ const EPOCHS: usize = 200;
 const STARTS: u64 = 3;
 
 /// A class of error curves.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::candidate::Candidate;
+/// let names = Candidate::ALL.map(Candidate::name);
+/// assert_eq!(names[..5], ["offset", "line", "quadratic", "cubic", "line + network (decay 1e-1)"]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Candidate {
     /// All monomials of rate (and temperature) up to a total degree: 0 offset, 1 line, 2, 3.
@@ -50,8 +57,7 @@ impl Candidate {
     }
 
     /// Fewest distinct rates it may be fitted to.
-    #[must_use]
-    pub const fn fewest_rates(self) -> usize {
+    pub(crate) const fn fewest_rates(self) -> usize {
         match self {
             Self::Polynomial(0) => 2,
             Self::Polynomial(1) => 3,
@@ -61,8 +67,7 @@ impl Candidate {
 }
 
 /// Fits a candidate to points; the curve's range is that of the points. None if the points do not determine it.
-#[must_use]
-pub fn fit(candidate: Candidate, points: &[Point], seed: u64) -> Option<ErrorCurve<f64>> {
+pub(crate) fn fit(candidate: Candidate, points: &[Point], seed: u64) -> Option<ErrorCurve<f64>> {
     let inputs = if points.first()?.temperature.is_some() { 2 } else { 1 };
     let rows: Vec<f64> = points.iter().flat_map(|p| core::iter::once(p.rate).chain(p.temperature)).collect();
     let targets: Vec<f64> = points.iter().map(|p| p.error).collect();
@@ -129,6 +134,17 @@ fn polynomial(degree: u8, inputs: usize, rows: &[f64], targets: &[f64], weights:
 }
 
 /// The run-time curve of a network in its scaling. `steps` as in [`ErrorCurve::steps`].
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::{candidate::from_network, network::{Network, Scaling, Shape}};
+/// let line = Network::new(Shape { inputs: 1, hidden: 0, linear: true }, vec![0.0, 1.0])?;
+/// let scaling = Scaling { inputs: vec![(-6.0, 12.0)], output: (-0.06, 0.12) };
+/// let curve = from_network(&line, &scaling, 1);
+/// assert!((curve.slope([1.0, 0.0, 0.0]) - 0.01).abs() < 1e-15); // 0.12 deg/s of error over 12 deg/s of rate
+/// assert_eq!(curve.error([9.0, 0.0, 0.0]).0, curve.error([6.0, 0.0, 0.0]).0); // the edge is held
+/// # Ok::<(), String>(())
+/// ```
 #[must_use]
 pub fn from_network(network: &Network, scaling: &Scaling, steps: u32) -> ErrorCurve<f64> {
     let (_, _, _, b2, c) = network.split();

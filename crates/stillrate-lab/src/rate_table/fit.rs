@@ -20,6 +20,17 @@ const SLOPE_GRID: usize = 2001;
 const SAME_RATE: f64 = 1e-6;
 
 /// How to fit.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::{candidate::Candidate, fit::{Options, fit}, points::Point};
+/// let points = Point::means(&[-4.0, -2.0, 0.0, 2.0, 4.0], &[0.05, 0.01, 0.0, 0.01, 0.05], &[1e-3; 5], None)?;
+/// let lines = Options { candidates: vec![Candidate::Polynomial(0), Candidate::Polynomial(1)], ..Options::default() };
+/// assert_ne!(fit(points.clone(), &lines)?.chosen, Candidate::Polynomial(2)); // only what is asked for
+/// let flat = Options { steepest_slope: 1e-6, candidates: vec![Candidate::Polynomial(2)], ..lines };
+/// assert!(fit(points, &flat).unwrap_err().contains("quadratic: slope 0.0"));
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The candidates to choose from.
@@ -37,13 +48,24 @@ impl Default for Options {
 }
 
 /// How a candidate did.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::{candidate::Candidate, fit::{Options, fit}, points::Point};
+/// let points = Point::means(&[-3.0, 0.0, 3.0], &[0.01, 0.02, 0.03], &[1e-3; 3], None)?;
+/// let fitted = fit(points, &Options::default())?;
+/// let cubic = fitted.scores.iter().find(|score| score.candidate == Candidate::Polynomial(3)).unwrap();
+/// assert!(cubic.held_out.is_nan()); // three rates carry no cubic
+/// assert_eq!(cubic.refused.as_deref(), Some("3 distinct rates (must be at least 5)"));
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scored {
     /// The candidate.
     pub candidate: Candidate,
-    /// Root mean square of its predictions of left-out rates; NaN if it could not be fitted.
+    /// Root mean square of its predictions of left-out rates, deg/s; NaN if it could not be fitted.
     pub held_out: f64,
-    /// Root mean square on the points it was fitted to.
+    /// Root mean square on the points it was fitted to, deg/s.
     pub residual: f64,
     /// Largest |de/dw| in range.
     pub slope: f64,
@@ -52,15 +74,26 @@ pub struct Scored {
 }
 
 /// A calibration: the chosen curve and everything that led to it.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::{fit::{Options, fit}, points::Point};
+/// let rates = [-6.0, -3.0, 0.0, 3.0, 6.0];
+/// let points = Point::means(&rates, &rates.map(|w| 0.03 + 0.002 * w), &[1e-3; 5], None)?;
+/// let fitted = fit(points, &Options::default())?;
+/// assert!(fitted.held_out < 1e-3 * fitted.uncorrected); // a straight line foretells rates left out of it
+/// assert_eq!((fitted.rates, fitted.scores.len()), (5, 9));
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// The chosen curve.
     pub curve: ErrorCurve<f64>,
     /// Which candidate it is.
     pub chosen: Candidate,
-    /// Its held-out score.
+    /// Its held-out score, deg/s.
     pub held_out: f64,
-    /// Root mean square of the errors themselves: what subtracting nothing leaves.
+    /// Root mean square of the errors themselves, deg/s: what subtracting nothing leaves.
     pub uncorrected: f64,
     /// All candidates.
     pub scores: Vec<Scored>,
@@ -70,10 +103,21 @@ pub struct Fit {
     pub rates: usize,
 }
 
-/// Fits points.
+/// Fits points: every candidate is scored on the rates left out of its fit, the best one is kept.
 ///
 /// # Errors
 /// A sentence if the points do not support any candidate.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::{candidate::Candidate, fit::{Options, fit}, points::Point};
+/// let rates = [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0];
+/// let points = Point::means(&rates, &rates.map(|w| 1e-3 * w * w), &[1e-4; 7], None)?;
+/// let candidates = (0..4).map(Candidate::Polynomial).collect();
+/// let fitted = fit(points, &Options { candidates, ..Options::default() })?;
+/// assert!((fitted.curve.error([5.0, 0.0, 0.0]).0 - 0.025).abs() < 1e-9); // deg/s at 5 deg/s
+/// # Ok::<(), String>(())
+/// ```
 pub fn fit(points: Vec<Point>, options: &Options) -> Result<Fit, String> {
     if points.is_empty() {
         return Err("no calibration points".into());
@@ -166,7 +210,15 @@ fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     (sum / count).root()
 }
 
-/// Largest |de/dw| inside the calibrated range.
+/// Largest |de/dw| inside the calibrated range, deg/s per deg/s.
+///
+/// # Example
+/// ```
+/// use stillrate::correction::ErrorCurve;
+/// use stillrate_lab::rate_table::fit::steepest;
+/// let line = ErrorCurve::line(0.03, -0.002, -6.0, 6.0).unwrap();
+/// assert!((steepest(&line) - 0.002).abs() < 1e-15);
+/// ```
 #[must_use]
 pub fn steepest(curve: &ErrorCurve<f64>) -> f64 {
     let inputs = curve.inputs as usize;
@@ -190,6 +242,15 @@ pub fn steepest(curve: &ErrorCurve<f64>) -> f64 {
 ///
 /// # Errors
 /// A sentence that says why it is rejected.
+///
+/// # Example
+/// ```
+/// use stillrate::correction::ErrorCurve;
+/// use stillrate_lab::rate_table::fit::{STEEPEST_SLOPE, guard};
+/// let [sensor, staircase] = [0.002, 0.2].map(|slope| ErrorCurve::line(0.03, slope, -6.0, 6.0).unwrap());
+/// assert!(guard(&sensor, STEEPEST_SLOPE).is_ok());
+/// assert!(guard(&staircase, STEEPEST_SLOPE).unwrap_err().contains("as steep as 0.200"));
+/// ```
 pub fn guard(curve: &ErrorCurve<f64>, steepest_slope: f64) -> Result<(), String> {
     curve.checked().map_err(|error| error.to_string())?;
     let slope = steepest(curve);

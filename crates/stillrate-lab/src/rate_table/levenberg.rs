@@ -17,29 +17,28 @@ const LANES: usize = 8;
 
 /// Scaled samples: rows of inputs one after the other, one target (and weight) a row.
 #[derive(Clone, Copy, Debug)]
-pub struct Samples<'a> {
+pub(crate) struct Samples<'a> {
     /// Inputs, row after row.
-    pub rows: &'a [f64],
+    pub(crate) rows: &'a [f64],
     /// Targets.
-    pub targets: &'a [f64],
+    pub(crate) targets: &'a [f64],
     /// Weights of the squares, mean 1; empty for equal weights.
-    pub weights: &'a [f64],
+    pub(crate) weights: &'a [f64],
 }
 
 /// J'J/N, J'e/N and mse of a network on samples.
 #[derive(Clone, Debug)]
-pub struct Normal {
+pub(crate) struct Normal {
     /// J'J/N.
-    pub matrix: DMatrix<f64>,
+    pub(crate) matrix: DMatrix<f64>,
     /// J'e/N.
-    pub gradient: DVector<f64>,
+    pub(crate) gradient: DVector<f64>,
     /// Mean of e^2.
-    pub mse: f64,
+    pub(crate) mse: f64,
 }
 
 /// Mean squared error.
-#[must_use]
-pub fn mean_square(network: &Network, samples: Samples<'_>) -> f64 {
+pub(crate) fn mean_square(network: &Network, samples: Samples<'_>) -> f64 {
     let inputs = network.shape().inputs;
     let chunk = |k: usize| {
         let range = k * CHUNK..samples.targets.len().min((k + 1) * CHUNK);
@@ -55,8 +54,7 @@ pub fn mean_square(network: &Network, samples: Samples<'_>) -> f64 {
 }
 
 /// The normal equations at the network's parameters.
-#[must_use]
-pub fn normal(network: &Network, samples: Samples<'_>) -> Normal {
+pub(crate) fn normal(network: &Network, samples: Samples<'_>) -> Normal {
     let count = network.shape().parameters();
     let chunks: Vec<(Vec<f64>, f64)> =
         (0..samples.targets.len().div_ceil(CHUNK)).into_par_iter().map(|k| sum_chunk(network, samples, k)).collect();
@@ -116,28 +114,75 @@ fn sum_chunk(network: &Network, samples: Samples<'_>, chunk: usize) -> (Vec<f64>
     (sums.iter().map(|lanes| lanes.iter().sum()).collect(), square)
 }
 
-/// One trial step.
-#[derive(Clone, Debug)]
-pub struct Step {
+/// A trial step of the training, whether or not it would be taken, and where it starts from.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::{levenberg::Trial, network::{Network, Shape}};
+/// // One straight line: e = b2 + c x with the parameters W1, b1, W2, b2, c. Only b2 and c matter while W2 is 0.
+/// let line = Network::new(Shape { inputs: 1, hidden: 1, linear: true }, vec![1.0, 0.0, 0.0, 0.0, 0.0])?;
+/// let trial = Trial::of(&line, &[-1.0, 0.0, 1.0], &[1.0, 2.0, 3.0], 0.0, None, 1e-9).unwrap();
+/// assert!((trial.mse - 14.0 / 3.0).abs() < 1e-12);
+/// assert!((trial.gradient[3] + 4.0).abs() < 1e-12); // -2 mean(target)
+/// assert!(trial.before == trial.mse && trial.after < 1e-9); // least squares in one step
+/// # Ok::<(), String>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// Mean square of output less target before the step.
+    pub mse: f64,
+    /// Its gradient in the parameters.
+    pub gradient: Vec<f64>,
     /// dp.
     pub step: Vec<f64>,
-    /// Objective before.
+    /// Objective before: mean square plus decay.
     pub before: f64,
-    /// Objective after the step, whether or not it is taken.
+    /// Objective after the step.
     pub after: f64,
+}
+
+impl Trial {
+    /// The step of a network on scaled samples (rows of inputs one after the other, a target each), with weight decay on the parameters
+    /// that `mask` marks with 1 (by default all weights but b2 and c) and damping mu; none if the damped matrix has no Cholesky factor.
+    #[must_use]
+    pub fn of(
+        network: &Network,
+        rows: &[f64],
+        targets: &[f64],
+        decay: f64,
+        mask: Option<&[f64]>,
+        damping: f64,
+    ) -> Option<Self> {
+        let samples = Samples { rows, targets, weights: &[] };
+        let usual = network.shape().decay_mask();
+        let normal = normal(network, samples);
+        let Step { change, before, after, .. } =
+            step(network, samples, &normal, mask.unwrap_or(&usual), decay, damping)?;
+        let gradient = normal.gradient.iter().map(|g| 2.0 * g).collect();
+        Some(Self { mse: normal.mse, gradient, step: change, before, after })
+    }
+}
+
+/// One trial step.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    /// dp.
+    pub(crate) change: Vec<f64>,
+    /// Objective before.
+    pub(crate) before: f64,
+    /// Objective after the step, whether or not it is taken.
+    pub(crate) after: f64,
     /// The network after the step.
-    pub network: Network,
+    pub(crate) network: Network,
 }
 
 /// lam p'Dp.
-#[must_use]
-pub fn penalty(network: &Network, mask: &[f64], decay: f64) -> f64 {
+pub(crate) fn penalty(network: &Network, mask: &[f64], decay: f64) -> f64 {
     decay * network.parameters().iter().zip(mask).map(|(p, d)| d * p * p).sum::<f64>()
 }
 
 /// The step at damping `mu`; none if the damped matrix has no Cholesky factor.
-#[must_use]
-pub fn step(
+pub(crate) fn step(
     network: &Network,
     samples: Samples<'_>,
     normal: &Normal,
@@ -152,16 +197,39 @@ pub fn step(
     }
     gradient.neg_mut();
     let solution = matrix.cholesky()?.solve(&gradient);
-    let step: Vec<f64> = solution.iter().copied().collect();
-    let moved = network.moved(&step);
+    let change: Vec<f64> = solution.iter().copied().collect();
+    let moved = network.moved(&change);
     let before = normal.mse + penalty(network, mask, decay);
     let after = mean_square(&moved, samples) + penalty(&moved, mask, decay);
-    Some(Step { step, before, after, network: moved })
+    Some(Step { change, before, after, network: moved })
 }
 
 /// g = J'e/N + lam D p (half the gradient of the objective).
-#[must_use]
-pub fn gradient(network: &Network, normal: &Normal, mask: &[f64], decay: f64) -> DVector<f64> {
+pub(crate) fn gradient(network: &Network, normal: &Normal, mask: &[f64], decay: f64) -> DVector<f64> {
     let p = network.parameters();
     DVector::from_fn(p.len(), |i, _| normal.gradient[i] + decay * mask[i] * p[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rate_table::network::Shape;
+
+    #[test]
+    fn the_mean_square_is_that_of_the_normal_equations() {
+        let network = Network::new(
+            Shape { inputs: 1, hidden: 2, linear: true },
+            (0..8).map(|k| 0.3 * f64::from(k) - 1.0).collect(),
+        );
+        let rows: Vec<f64> = (0..5000).map(|k| f64::from(k) / 2500.0 - 1.0).collect();
+        let targets: Vec<f64> = rows.iter().map(|x| x * x).collect();
+        let weights: Vec<f64> = (0..5000).map(|k| if k % 2 == 0 { 0.5 } else { 1.5 }).collect();
+        let network = network.unwrap();
+        for weights in [&[] as &[f64], &weights] {
+            let samples = Samples { rows: &rows, targets: &targets, weights };
+            let (square, normal) = (mean_square(&network, samples), normal(&network, samples));
+            // Sums of 5000 terms in another order.
+            assert!((square / normal.mse - 1.0).abs() < 1e-12);
+        }
+    }
 }

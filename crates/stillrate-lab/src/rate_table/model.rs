@@ -14,7 +14,7 @@ const FORMAT: &str = "stillrate rate-table error model";
 /// The only version so far.
 const VERSION: u64 = 1;
 /// Largest file that is read, bytes; a full model has about 4000.
-pub const LARGEST_FILE: usize = 65_536;
+const LARGEST_FILE: usize = 65_536;
 /// Unit of all rates.
 const UNIT: &str = "deg/s";
 /// Names of the inputs in the file.
@@ -32,6 +32,9 @@ const INPUT_NAMES: [&str; 2] = ["rate_dps", "temperature_c"];
 /// };
 /// assert_eq!(ErrorModel::from_text(&model.to_text()).unwrap(), model);
 /// assert!(ErrorModel::from_text(&model.to_text().replace("0.004", "0.003")).is_err());
+/// assert!(!model.needs_temperature());
+/// let (raw, left, outside) = model.score(&[1.032, 9.0], &[1.0, f64::NAN], None).unwrap();
+/// assert!((raw - 0.032).abs() < 1e-12 && left < 1e-4 && outside == 0.0); // a sample without truth is left out
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorModel {
@@ -72,7 +75,8 @@ impl ErrorModel {
         self.curve.inputs > 1
     }
 
-    /// Root mean square of measured less true rate before and after correction, and the share of samples outside the calibrated range.
+    /// Root mean square of measured less true rate (deg/s) before and after correction, and the share of samples outside the calibrated
+    /// range. Samples without a measured or true rate (NaN) are left out.
     ///
     /// # Errors
     /// A sentence if the lists do not fit, the model needs a temperature, or no sample is usable.

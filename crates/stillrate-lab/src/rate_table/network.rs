@@ -10,7 +10,9 @@ use stillrate::Real;
 /// # Example
 /// ```
 /// use stillrate_lab::rate_table::network::Shape;
-/// assert_eq!(Shape { inputs: 1, hidden: 10, linear: false }.parameters(), 31);
+/// assert_eq!(Shape { inputs: 1, hidden: 10, linear: false }.parameters(), 31); // the published one
+/// let small = Shape { inputs: 1, hidden: 1, linear: true };
+/// assert_eq!(small.decay_mask(), [1.0, 1.0, 1.0, 0.0, 0.0]); // W1, b1, W2 decay; b2 and c are free
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
@@ -23,6 +25,19 @@ pub struct Shape {
 }
 
 /// A network: its shape and parameters.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::network::{Network, Shape};
+/// // e = 0.5 + 2 tanh(3 x + 0)
+/// let network = Network::new(Shape { inputs: 1, hidden: 1, linear: false }, vec![3.0, 0.0, 2.0, 0.5])?;
+/// assert_eq!((network.output(&[0.0]), network.slope(&[0.0])), (0.5, 6.0)); // steepest in the middle: W2 W1
+/// let mut gradient = vec![0.0; network.shape().parameters()];
+/// assert_eq!(network.gradient(&[0.0], &mut gradient), 0.5);
+/// assert_eq!(gradient, [0.0, 2.0, 0.0, 1.0]); // in W1, b1, W2, b2
+/// assert!(Network::new(network.shape(), network.parameters()[1..].to_vec()).is_err());
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     shape: Shape,
@@ -35,6 +50,17 @@ impl Shape {
     #[must_use]
     pub const fn parameters(self) -> usize {
         self.hidden * (self.inputs + 2) + 1 + if self.linear { self.inputs } else { 0 }
+    }
+
+    /// Refuses what is no network, or too large for one.
+    pub(crate) fn check(self) -> Result<(), String> {
+        if self.inputs == 0 || self.inputs > 16 || self.hidden > 1024 {
+            return Err(format!(
+                "network of {} inputs and {} units (must be 1..=16 and <= 1024)",
+                self.inputs, self.hidden
+            ));
+        }
+        Ok(())
     }
 
     /// 1 for the parameters that weight decay acts on (W1, b1, W2), 0 for b2 and c.
@@ -51,12 +77,7 @@ impl Network {
     /// # Errors
     /// A sentence if the shape is empty or does not fit the parameters, or a parameter is not finite.
     pub fn new(shape: Shape, parameters: Vec<f64>) -> Result<Self, String> {
-        if shape.inputs == 0 || shape.inputs > 16 || shape.hidden > 1024 {
-            return Err(format!(
-                "network of {} inputs and {} units (must be 1..=16 and <= 1024)",
-                shape.inputs, shape.hidden
-            ));
-        }
+        shape.check()?;
         if parameters.len() != shape.parameters() {
             return Err(format!("{} parameters (must be {} for this shape)", parameters.len(), shape.parameters()));
         }
@@ -142,6 +163,16 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// The map between physical units and a network's -1..1:
 /// xn = 2 (x - low)/range - 1 for each input, e = low + (en + 1)/2 range for the output.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::{candidate::from_network, network::{Network, Scaling, Shape}};
+/// let nothing = Network::new(Shape { inputs: 1, hidden: 1, linear: false }, vec![0.0; 4])?;
+/// let scaling = Scaling { inputs: vec![(-6.0, 12.0)], output: (0.02, 0.04) }; // smallest value and range
+/// let curve = from_network(&nothing, &scaling, 1);
+/// assert!((curve.error([3.0, 0.0, 0.0]).0 - 0.04).abs() < 1e-15); // 0 inside is the middle of the range outside
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scaling {
     /// Smallest value and range of each input.
@@ -152,8 +183,7 @@ pub struct Scaling {
 
 impl Scaling {
     /// The scaling that spans given samples; a range of zero becomes 1.
-    #[must_use]
-    pub fn spanning(rows: &[f64], inputs: usize, targets: &[f64]) -> Self {
+    pub(crate) fn spanning(rows: &[f64], inputs: usize, targets: &[f64]) -> Self {
         let span = |values: &mut dyn Iterator<Item = f64>| {
             let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             (low, if high > low { high - low } else { 1.0 })
@@ -165,20 +195,17 @@ impl Scaling {
     }
 
     /// Scales rows of inputs.
-    #[must_use]
-    pub fn inward(&self, rows: &[f64]) -> Vec<f64> {
+    pub(crate) fn inward(&self, rows: &[f64]) -> Vec<f64> {
         rows.iter().zip(self.inputs.iter().cycle()).map(|(x, (low, range))| 2.0 * (x - low) / range - 1.0).collect()
     }
 
     /// Scales targets.
-    #[must_use]
-    pub fn target_inward(&self, targets: &[f64]) -> Vec<f64> {
+    pub(crate) fn target_inward(&self, targets: &[f64]) -> Vec<f64> {
         targets.iter().map(|e| 2.0 * (e - self.output.0) / self.output.1 - 1.0).collect()
     }
 
     /// Output in physical units.
-    #[must_use]
-    pub fn outward(&self, output: f64) -> f64 {
+    pub(crate) fn outward(&self, output: f64) -> f64 {
         self.output.0 + f64::midpoint(output, 1.0) * self.output.1
     }
 }

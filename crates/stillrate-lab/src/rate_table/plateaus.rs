@@ -6,7 +6,7 @@
 
 use stillrate::Real;
 
-use crate::tune::records::Record;
+use crate::tune::white_sigma_with_gaps;
 
 /// Block length, s.
 const BLOCK_S: f64 = 0.1;
@@ -16,20 +16,40 @@ const SHORTEST: usize = 10;
 const CLOSE: f64 = 0.3;
 
 /// A stretch of constant table rate.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::plateaus::find;
+/// let log: Vec<f64> = (0..900).map(|k| [-2.0, 0.0, 2.0][k / 300] + 0.01 * (k as f64 * 2.4).sin()).collect();
+/// let found = find(&log, &[2.0, -2.0, 0.0], 100.0)?;
+/// // 3 s each, less the tenth of a second at either end in which the table may still be accelerating.
+/// assert_eq!((found[1].first, found[1].end, found[1].rate), (310, 590, 0.0));
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plateau {
     /// First sample.
     pub first: usize,
     /// One past the last sample.
     pub end: usize,
-    /// The table's rate.
+    /// The table's rate, deg/s.
     pub rate: f64,
 }
 
-/// The plateaus of a log.
+/// The plateaus of a log at the table's `rates` (deg/s, in any order).
 ///
 /// # Errors
 /// A sentence if the list of rates or the sample rate is unusable, or a rate has no plateau.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::plateaus::find;
+/// let log: Vec<f64> = (0..600).map(|k| [0.0, 5.0][k / 300] + 0.01 * (k as f64 * 2.4).sin()).collect();
+/// assert_eq!(find(&log, &[0.0, 5.0], 100.0)?.len(), 2);
+/// let missing = find(&log, &[0.0, 5.0, 10.0], 100.0).unwrap_err();
+/// assert!(missing.starts_with("no stretch of at least 1.0 s near the table rate 10 was found"));
+/// # Ok::<(), String>(())
+/// ```
 pub fn find(measured: &[f64], rates: &[f64], sample_rate_hz: f64) -> Result<Vec<Plateau>, String> {
     let mut sorted: Vec<f64> = rates.to_vec();
     if let Some(bad) = sorted.iter().find(|r| !r.is_finite()) {
@@ -46,7 +66,7 @@ pub fn find(measured: &[f64], rates: &[f64], sample_rate_hz: f64) -> Result<Vec<
     }
     let length = ((BLOCK_S * sample_rate_hz) as usize).max(4);
     let means: Vec<f64> = measured.chunks_exact(length).map(mean).collect();
-    let noise = Record { measured, truth: None }.white_noise() / (length as f64).root();
+    let noise = white_sigma_with_gaps(measured) / (length as f64).root();
     let runs = runs(&means, &sorted, spacing, noise);
     let plateaus: Vec<Plateau> = runs
         .iter()

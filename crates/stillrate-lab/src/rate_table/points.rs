@@ -18,49 +18,81 @@ const CELLS: [usize; 2] = [13, 5];
 const SLOPES: (f64, f64) = (0.5, 2.0);
 
 /// A calibration point.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::points::Point;
+/// let points = Point::means(&[-3.0, 3.0], &[0.02, 0.04], &[2e-3, 1e-3], None)?;
+/// assert_eq!(points[1].samples, 4 * points[0].samples); // half the standard error is four times the samples
+/// assert!(Point::means(&[-3.0], &[0.02], &[0.0], None).is_err());
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// True rate.
+    /// True rate, deg/s.
     pub rate: f64,
-    /// Temperature, if the calibration has one.
+    /// Temperature in °C, if the calibration has one.
     pub temperature: Option<f64>,
-    /// Mean measured rate less the true rate.
+    /// Mean measured rate less the true rate, deg/s.
     pub error: f64,
-    /// Standard error of that mean.
+    /// Standard error of that mean, deg/s.
     pub standard_error: f64,
     /// Samples in the mean.
     pub samples: usize,
 }
 
 /// A rate-table log.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::points::Log;
+/// let truth: Vec<f64> = (0..600).map(|k| [-5.0, 0.0, 5.0][k / 200]).collect();
+/// let measured: Vec<f64> = truth.iter().zip(0..).map(|(w, k)| 1.01 * w + 0.1 * (f64::from(k) * 2.4).sin()).collect();
+/// let log = Log { measured: &measured, truth: &truth, temperature: None };
+/// let points = log.points()?;
+/// assert_eq!(points.iter().map(|p| p.rate).collect::<Vec<_>>(), [-5.0, 0.0, 5.0]);
+/// assert!((points[2].error - 0.05).abs() < 0.01); // a hundredth of 5 deg/s
+/// assert_eq!(log.points_of(&[(400, 600)])?[0], points[2]);
+/// assert!(log.points_of(&[(590, 600)]).unwrap_err().starts_with("segment 0 has 10 usable samples"));
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Log<'a> {
-    /// Measured rate; NaN where missing.
+    /// Measured rate, deg/s; NaN where missing.
     pub measured: &'a [f64],
-    /// True rate at the same samples.
+    /// True rate at the same samples, deg/s.
     pub truth: &'a [f64],
-    /// Temperature at the same samples.
+    /// Temperature at the same samples, °C.
     pub temperature: Option<&'a [f64]>,
 }
 
-/// Points of a log whose true rate is known at each sample: segments where it stands still, or cells of rate (and temperature) if it never does.
-///
-/// # Errors
-/// A sentence that says what is wrong with the log.
-pub fn from_log(log: Log<'_>) -> Result<Vec<Point>, String> {
-    check(log)?;
-    let runs = constant_runs(log.truth);
-    let covered: usize = runs.iter().map(|run| run.1 - run.0).sum();
-    let points = if 2 * covered >= log.truth.len() { from_segments(log, &runs)? } else { cells(log) };
-    check_units(&points)?;
-    Ok(points)
+impl Log<'_> {
+    /// Points of a log whose true rate is known at each sample: segments where it stands still, or cells of rate (and temperature) if it
+    /// never does.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong with the log.
+    pub fn points(self) -> Result<Vec<Point>, String> {
+        check(self)?;
+        let runs = constant_runs(self.truth);
+        let covered: usize = runs.iter().map(|run| run.1 - run.0).sum();
+        let points = if 2 * covered >= self.truth.len() { segments(self, &runs)? } else { cells(self) };
+        check_units(&points)?;
+        Ok(points)
+    }
+
+    /// Points of given segments (first sample, one past the last).
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong with the log, or names the segment that cannot be used.
+    pub fn points_of(self, given: &[(usize, usize)]) -> Result<Vec<Point>, String> {
+        check(self)?;
+        segments(self, given)
+    }
 }
 
-/// Points of given segments (first sample, one past the last).
-///
-/// # Errors
-/// A sentence that names the segment that cannot be used.
-pub fn from_segments(log: Log<'_>, segments: &[(usize, usize)]) -> Result<Vec<Point>, String> {
+/// One point a segment.
+fn segments(log: Log<'_>, segments: &[(usize, usize)]) -> Result<Vec<Point>, String> {
     let mut points = Vec::new();
     for (number, &(first, end)) in segments.iter().enumerate() {
         if first >= end || end > log.measured.len() {
@@ -79,10 +111,7 @@ pub fn from_segments(log: Log<'_>, segments: &[(usize, usize)]) -> Result<Vec<Po
 }
 
 /// Refuses what no calibration can be made from.
-///
-/// # Errors
-/// A sentence that says what is wrong with the log.
-pub fn check(log: Log<'_>) -> Result<(), String> {
+fn check(log: Log<'_>) -> Result<(), String> {
     let n = log.measured.len();
     if log.truth.len() != n {
         return Err(format!("{} true rates for {n} measured ones (must be as many)", log.truth.len()));
@@ -107,44 +136,46 @@ pub fn check(log: Log<'_>) -> Result<(), String> {
     Ok(())
 }
 
-/// Points that are means already, with their standard errors; a point's weight is its information, 1/standard_error^2.
-///
-/// # Errors
-/// A sentence if the lists do not fit or hold what is no number.
-pub fn from_means(
-    rates: &[f64],
-    errors: &[f64],
-    standard_errors: &[f64],
-    temperatures: Option<&[f64]>,
-) -> Result<Vec<Point>, String> {
-    let n = rates.len();
-    if errors.len() != n || standard_errors.len() != n || temperatures.is_some_and(|t| t.len() != n) {
-        return Err(format!(
-            "{n} rates, {} errors, {} standard errors (must be as many)",
-            errors.len(),
-            standard_errors.len()
-        ));
+impl Point {
+    /// Points that are means already, with their standard errors; a point's weight is its information, 1/standard_error^2.
+    ///
+    /// # Errors
+    /// A sentence if the lists do not fit or hold what is no number.
+    pub fn means(
+        rates: &[f64],
+        errors: &[f64],
+        standard_errors: &[f64],
+        temperatures: Option<&[f64]>,
+    ) -> Result<Vec<Self>, String> {
+        let n = rates.len();
+        if errors.len() != n || standard_errors.len() != n || temperatures.is_some_and(|t| t.len() != n) {
+            return Err(format!(
+                "{n} rates, {} errors, {} standard errors (must be as many)",
+                errors.len(),
+                standard_errors.len()
+            ));
+        }
+        let all = rates.iter().chain(errors).chain(temperatures.unwrap_or_default());
+        if let Some(bad) = all.clone().find(|v| !v.is_finite()) {
+            return Err(format!("a calibration point holds {bad} (must be finite)"));
+        }
+        if let Some(bad) = standard_errors.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
+            return Err(format!("standard error {bad} (must be finite and > 0)"));
+        }
+        let sharpest = standard_errors.iter().copied().fold(f64::INFINITY, f64::min);
+        // In units of the least certain point a weight is a whole number of equally uncertain samples.
+        let bluntest = standard_errors.iter().copied().fold(sharpest, f64::max);
+        let samples = |s: f64| ((bluntest / s) * (bluntest / s) * 1000.0) as usize;
+        Ok((0..n)
+            .map(|k| Self {
+                rate: rates[k],
+                temperature: temperatures.map(|t| t[k]),
+                error: errors[k],
+                standard_error: standard_errors[k],
+                samples: samples(standard_errors[k]).max(1),
+            })
+            .collect())
     }
-    let all = rates.iter().chain(errors).chain(temperatures.unwrap_or_default());
-    if let Some(bad) = all.clone().find(|v| !v.is_finite()) {
-        return Err(format!("a calibration point holds {bad} (must be finite)"));
-    }
-    if let Some(bad) = standard_errors.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
-        return Err(format!("standard error {bad} (must be finite and > 0)"));
-    }
-    let sharpest = standard_errors.iter().copied().fold(f64::INFINITY, f64::min);
-    // In units of the least certain point a weight is a whole number of equally uncertain samples.
-    let bluntest = standard_errors.iter().copied().fold(sharpest, f64::max);
-    let samples = |s: f64| ((bluntest / s) * (bluntest / s) * 1000.0) as usize;
-    Ok((0..n)
-        .map(|k| Point {
-            rate: rates[k],
-            temperature: temperatures.map(|t| t[k]),
-            error: errors[k],
-            standard_error: standard_errors[k],
-            samples: samples(standard_errors[k]).max(1),
-        })
-        .collect())
 }
 
 /// Refuses units and signs that do not fit each other.

@@ -17,9 +17,23 @@ const LARGEST_DAMPING: f64 = 1e10;
 /// Gradients below this length are a minimum.
 const SMALLEST_GRADIENT: f64 = 1e-7;
 /// Raw samples a parameter must have at least.
-pub const SAMPLES_A_PARAMETER: usize = 10;
+const SAMPLES_A_PARAMETER: usize = 10;
 
 /// How to train.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::{network::Shape, training::Training};
+/// let rows: Vec<f64> = (0..=400).map(|k| f64::from(k) / 200.0 - 1.0).collect();
+/// let targets: Vec<f64> = rows.iter().map(|x| 0.5 * x * x).collect();
+/// let shape = Shape { inputs: 1, hidden: 4, linear: true };
+/// let training = Training { shape, decay: 0.0, ..Training::published(1) };
+/// let trained = training.train(&rows, &targets)?;
+/// assert!((trained.network.output(&[0.6]) - 0.18).abs() < 0.01);
+/// // Fewer than ten samples a parameter would be memorised.
+/// assert!(Training::published(1).train(&rows[..309], &targets[..309]).unwrap_err().contains("must be at least 310"));
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Training {
     /// Shape of the network.
@@ -41,9 +55,41 @@ impl Training {
         let shape = Shape { inputs: 1, hidden: 10, linear: false };
         Self { shape, decay: 0.0, epochs: 1000, patience: 6, seed }
     }
+
+    /// Trains on raw (already scaled) samples: rows of inputs one after the other, a target each.
+    ///
+    /// # Errors
+    /// A sentence if there are fewer than ten samples a parameter, counts do not fit, the shape is too large, or anything is not finite.
+    pub fn train(&self, rows: &[f64], targets: &[f64]) -> Result<Trained, String> {
+        self.shape.check()?;
+        if !(self.decay.is_finite() && self.decay >= 0.0) {
+            return Err(format!("decay = {} (must be finite and >= 0)", self.decay));
+        }
+        let parameters = self.shape.parameters();
+        if targets.len() < SAMPLES_A_PARAMETER * parameters {
+            return Err(format!(
+                "{} samples for {parameters} parameters (must be at least {})",
+                targets.len(),
+                SAMPLES_A_PARAMETER * parameters
+            ));
+        }
+        fit(self, rows, targets, &[])
+    }
 }
 
 /// A trained network and how it went.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::rate_table::{network::Shape, training::Training};
+/// let rows: Vec<f64> = (0..=400).map(|k| f64::from(k) / 200.0 - 1.0).collect();
+/// let targets: Vec<f64> = rows.iter().map(|x| 0.3 - 0.2 * x).collect();
+/// let shape = Shape { inputs: 1, hidden: 1, linear: true };
+/// let trained = Training { shape, decay: 0.0, epochs: 20, patience: 0, seed: 1 }.train(&rows, &targets)?;
+/// let [learnt, validated, tested] = trained.mean_square;
+/// assert!(learnt < 1e-6 && validated.is_nan() && tested.is_nan()); // without patience nothing is held back
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trained {
     /// The network with the best validation error (the last one without validation).
@@ -54,23 +100,7 @@ pub struct Trained {
     pub mean_square: [f64; 3],
 }
 
-/// Trains on raw (already scaled) samples.
-///
-/// # Errors
-/// A sentence if there are fewer than ten samples a parameter, counts do not fit, or anything is not finite.
-pub fn train(training: &Training, rows: &[f64], targets: &[f64]) -> Result<Trained, String> {
-    let parameters = training.shape.parameters();
-    if targets.len() < SAMPLES_A_PARAMETER * parameters {
-        return Err(format!(
-            "{} samples for {parameters} parameters (must be at least {})",
-            targets.len(),
-            SAMPLES_A_PARAMETER * parameters
-        ));
-    }
-    fit(training, rows, targets, &[])
-}
-
-/// Trains like [`train`] but on averaged points, where weight decay and not the number of samples keeps the network in check.
+/// Trains like [`Training::train`] but on averaged points, where weight decay and not the number of samples keeps the network in check.
 pub(crate) fn fit(training: &Training, rows: &[f64], targets: &[f64], weights: &[f64]) -> Result<Trained, String> {
     let inputs = training.shape.inputs;
     if rows.len() != targets.len() * inputs {
@@ -191,5 +221,26 @@ fn gather(part: &[usize], inputs: usize, rows: &[f64], targets: &[f64], weights:
         rows: part.iter().flat_map(|&n| rows[n * inputs..(n + 1) * inputs].iter().copied()).collect(),
         targets: part.iter().map(|&n| targets[n]).collect(),
         weights: part.iter().filter_map(|&n| weights.get(n).copied()).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shape_or_decay_that_cannot_be_trained_is_refused() {
+        let samples = vec![0.1; 70_000];
+        let shape = Shape { inputs: 1, hidden: 2, linear: false };
+        let training = Training { shape, ..Training::published(1) };
+        for (unfit, why) in [
+            (Training { shape: Shape { hidden: 1025, ..shape }, ..training }, "1025 units"),
+            (Training { shape: Shape { inputs: 17, ..shape }, ..training }, "17 inputs"),
+            (Training { decay: f64::NAN, ..training }, "decay = NaN"),
+            (Training { decay: -1.0, ..training }, "decay = -1"),
+        ] {
+            let refused = unfit.train(&samples, &samples).unwrap_err();
+            assert!(refused.contains(why), "{refused}");
+        }
     }
 }

@@ -12,13 +12,32 @@ use super::scenarios::{SAMPLE_RATE_HZ, SCENARIOS, SIGMA_DPS, Scenario, measured,
 use crate::metrics::lag_ms;
 use crate::random::{Generator, Random};
 
-/// Noise of the bench.
+/// Noise of the bench, white with [`SIGMA_DPS`] a sample.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::recursive::bench::noise;
+/// assert!((noise().sample_variance(200.0).sqrt() - 0.05).abs() < 1e-15); // deg/s at 200 Hz
+/// ```
 #[must_use]
 pub fn noise() -> GyroNoise {
     GyroNoise::from_standard_deviation_at_rate(SIGMA_DPS, SAMPLE_RATE_HZ)
 }
 
 /// One row of the table: a filter and its RMS errors over sigma in the order of [`SCENARIOS`], then the lag in the mixed one, samples.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::OneEuroSettings;
+/// use stillrate::Settings;
+/// use stillrate_lab::recursive::bench::{noise, table};
+/// let rows = table(&[1], &OneEuroSettings::defaults(200.0, noise()))?;
+/// let moving_mean = &rows[2];
+/// assert_eq!(moving_mean.name, "boxcar 40");
+/// assert!((moving_mean.error[0] - 40.0_f64.sqrt().recip()).abs() < 0.01); // at rest: one over root n
+/// assert!((moving_mean.lag - 19.5).abs() < 1.0); // (n - 1)/2 samples
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Name of the filter.
@@ -30,39 +49,52 @@ pub struct Row {
 }
 
 /// A scenario played out: truth and measurement, once a seed.
+///
+/// # Example
+/// ```
+/// use stillrate::{Settings, filters::VariableForgettingSettings};
+/// use stillrate_lab::recursive::{bench::{Played, noise}, scenarios::{SAMPLE_RATE_HZ, Scenario}};
+/// let filter = VariableForgettingSettings::defaults(SAMPLE_RATE_HZ, noise()).build::<f64>()?;
+/// let error = |scenario| Played::of(scenario, &[1]).relative_error(filter);
+/// assert!(error(Scenario::Quiet) < 0.17); // a sixth of the noise at rest
+/// assert!(error(Scenario::Sine(1.0)) < 1.4); // and little more than the noise in motion
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Played(Vec<(Vec<f64>, Vec<f64>)>);
 
-/// Plays a scenario on all seeds.
-#[must_use]
-pub fn play(scenario: Scenario, seeds: &[u64]) -> Played {
-    let one = |&seed: &u64| {
-        let clean = truth(scenario, seed);
-        let noisy = measured(&clean, seed);
-        (clean, noisy)
-    };
-    Played(seeds.iter().map(one).collect())
-}
-
-/// RMS error over sigma, over all seeds.
-#[must_use]
-pub fn relative_error<F: Filter<f64>>(filter: F, played: &Played) -> f64 {
-    let mut sum = 0.0;
-    let mut count = 0.0;
-    for (clean, noisy) in &played.0 {
-        let mut run = feed(filter);
-        for (&value, rate) in noisy.iter().zip(clean) {
-            let error = run(value) - rate;
-            sum += error * error;
-            count += 1.0;
-        }
+impl Played {
+    /// Plays a scenario on all seeds.
+    #[must_use]
+    pub fn of(scenario: Scenario, seeds: &[u64]) -> Self {
+        let one = |&seed: &u64| {
+            let clean = truth(scenario, seed);
+            let noisy = measured(&clean, seed);
+            (clean, noisy)
+        };
+        Self(seeds.iter().map(one).collect())
     }
-    (sum / count).root() / SIGMA_DPS
+
+    /// RMS error of a filter over sigma, over all seeds.
+    #[must_use]
+    pub fn relative_error<F: Filter<f64>>(&self, filter: F) -> f64 {
+        let mut sum = 0.0;
+        let mut count = 0.0;
+        for (clean, noisy) in &self.0 {
+            let mut run = feed(filter);
+            for (&value, rate) in noisy.iter().zip(clean) {
+                let error = run(value) - rate;
+                sum += error * error;
+                count += 1.0;
+            }
+        }
+        (sum / count).root() / SIGMA_DPS
+    }
 }
 
 fn row<F: Filter<f64>>(name: &str, filter: F, seeds: &[u64]) -> Row {
-    let error = SCENARIOS.par_iter().map(|&(_, scenario)| relative_error(filter, &play(scenario, seeds))).collect();
-    let lags: Vec<f64> = play(Scenario::Mixed, seeds)
+    let error = SCENARIOS.par_iter().map(|&(_, scenario)| Played::of(scenario, seeds).relative_error(filter)).collect();
+    let lags: Vec<f64> = Played::of(Scenario::Mixed, seeds)
         .0
         .into_iter()
         .map(|(clean, noisy)| {
@@ -74,8 +106,7 @@ fn row<F: Filter<f64>>(name: &str, filter: F, seeds: &[u64]) -> Row {
 }
 
 /// A fixed filter of order 1 or 2 with a given forgetting factor at the bench's rate.
-#[must_use]
-pub fn least_squares(order: f64, forgetting_factor: f64) -> RecursiveLeastSquaresSettings {
+pub(super) fn least_squares(order: f64, forgetting_factor: f64) -> RecursiveLeastSquaresSettings {
     let tau_s = closed_forms::tau_samples(forgetting_factor) / SAMPLE_RATE_HZ;
     let defaults = RecursiveLeastSquaresSettings::defaults(SAMPLE_RATE_HZ, noise());
     RecursiveLeastSquaresSettings { order, tau_s, forgetting_factor, ..defaults }
@@ -85,6 +116,17 @@ pub fn least_squares(order: f64, forgetting_factor: f64) -> RecursiveLeastSquare
 ///
 /// # Errors
 /// [`ConfigError`] if the one-euro settings cannot be used.
+///
+/// # Example
+/// ```
+/// use stillrate::{Settings, filters::OneEuroSettings};
+/// use stillrate_lab::recursive::bench::{noise, table};
+/// let rows = table(&[1], &OneEuroSettings::defaults(200.0, noise()))?;
+/// assert!(rows[0].error.iter().all(|error| (error - 1.0).abs() < 0.02)); // without a filter the error is the noise
+/// let [average, adaptive] = ["EMA .9512", "VFF"].map(|name| rows.iter().find(|row| row.name == name).unwrap());
+/// assert!(average.error[7] > 30.0 && adaptive.error[7] < 1.05); // mixed motion
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 pub fn table(seeds: &[u64], one_euro: &OneEuroSettings) -> Result<Vec<Row>, ConfigError> {
     let (fs, noise) = (SAMPLE_RATE_HZ, noise());
     let fir = FirLowPassSettings::defaults(fs, noise);
@@ -105,20 +147,30 @@ pub fn table(seeds: &[u64], one_euro: &OneEuroSettings) -> Result<Vec<Row>, Conf
 }
 
 /// Quiet noise ratio that a tuned filter may have: that of the others.
-pub const QUIET_ALLOWED: f64 = 0.165;
+const QUIET_ALLOWED: f64 = 0.165;
 
 /// The one-euro settings with the least mixed error among `draws` random ones that are as quiet as the others, then
 /// among as many smaller changes of the best.
+///
+/// # Example
+/// ```
+/// use stillrate::{Settings, filters::OneEuroSettings};
+/// use stillrate_lab::recursive::{bench::{Played, noise, tune_one_euro}, scenarios::Scenario};
+/// let tuned = tune_one_euro(8, 1, &[911]);
+/// let mixed = Played::of(Scenario::Mixed, &[911]);
+/// let error = |settings: &OneEuroSettings| mixed.relative_error(settings.build::<f64>().unwrap());
+/// assert!(error(&tuned) <= error(&OneEuroSettings::defaults(200.0, noise()))); // the search starts from the defaults
+/// ```
 #[must_use]
 pub fn tune_one_euro(draws: usize, search_seed: u64, seeds: &[u64]) -> OneEuroSettings {
     let mut random = Random::new(search_seed, 0);
-    let (quiet, mixed) = (play(Scenario::Quiet, seeds), play(Scenario::Mixed, seeds));
+    let (quiet, mixed) = (Played::of(Scenario::Quiet, seeds), Played::of(Scenario::Mixed, seeds));
     let score = |settings: &OneEuroSettings| -> f64 {
         let Ok(filter) = settings.build::<f64>() else { return f64::INFINITY };
-        if relative_error(filter, &quiet) > QUIET_ALLOWED {
+        if quiet.relative_error(filter) > QUIET_ALLOWED {
             return f64::INFINITY;
         }
-        relative_error(filter, &mixed)
+        mixed.relative_error(filter)
     };
     let between = |random: &mut Random, low: f64, high: f64| {
         (low.logarithm() + (high.logarithm() - low.logarithm()) * random.uniform()).exponential()

@@ -8,6 +8,16 @@ const SETTLE: usize = 6000;
 const LENGTH: usize = 6000;
 
 /// A filter's steady-state figures; delays and times in samples, frequencies as a fraction of the sample rate.
+///
+/// # Example
+/// ```
+/// let rows = stillrate_lab::recursive::matched::responses()?;
+/// let [exponential, mean] = [0, 1].map(|row| rows[row].1);
+/// assert!((mean.delay - 19.5).abs() < 1e-9 && (mean.noise_ratio - 40_f64.sqrt().recip()).abs() < 1e-9);
+/// assert!((exponential.delay - 0.9512 / 0.0488).abs() < 1e-9); // lambda/(1 - lambda): at equal noise the same lag
+/// assert_eq!((mean.half, mean.settled, mean.overshoot < 1e-9), (19, 39, true));
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
     /// Standard deviation of the output for white input of 1.
@@ -28,9 +38,8 @@ pub struct Response {
     pub overshoot: f64,
 }
 
-/// Measures a filter at its nominal rate; `filters` in series.
-#[must_use]
-pub fn response(mut run: impl FnMut(f64) -> f64) -> Response {
+/// Measures what `run` makes of a step.
+pub(super) fn response(mut run: impl FnMut(f64) -> f64) -> Response {
     for _ in 0..SETTLE {
         run(0.0);
     }
@@ -54,8 +63,8 @@ pub fn response(mut run: impl FnMut(f64) -> f64) -> Response {
     }
 }
 
-/// A closure that feeds one filter.
-pub fn feed<F: Filter<f64>>(filter: F) -> impl FnMut(f64) -> f64 {
+/// A closure that feeds one filter at its nominal rate.
+pub(super) fn feed<F: Filter<f64>>(filter: F) -> impl FnMut(f64) -> f64 {
     let mut state = filter.start();
     move |value| filter.step(&mut state, Sample { value, dt: filter.period() }).rate
 }

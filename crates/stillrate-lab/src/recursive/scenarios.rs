@@ -14,9 +14,16 @@ pub const SAMPLE_RATE_HZ: f64 = 200.0;
 /// Standard deviation of the white noise, deg/s.
 pub const SIGMA_DPS: f64 = 0.05;
 /// Samples of a run.
-pub const SAMPLES: usize = 24_000;
+const SAMPLES: usize = 24_000;
 
 /// A motion of the bench.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::recursive::scenarios::{SCENARIOS, Scenario};
+/// assert_eq!(SCENARIOS[0], ("quiet", Scenario::Quiet));
+/// assert_eq!(SCENARIOS[5], ("1 Hz", Scenario::Sine(1.0)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scenario {
     /// Nothing moves.
@@ -46,8 +53,7 @@ pub const SCENARIOS: [(&str, Scenario); 8] = [
 ];
 
 /// True rate of a scenario, deg/s.
-#[must_use]
-pub fn truth(scenario: Scenario, seed: u64) -> Vec<f64> {
+pub(super) fn truth(scenario: Scenario, seed: u64) -> Vec<f64> {
     let mut random = Random::new(seed, 1);
     let time = |k: usize| k as f64 / SAMPLE_RATE_HZ;
     let hold = (2.0 * SAMPLE_RATE_HZ) as usize;
@@ -72,9 +78,8 @@ pub fn truth(scenario: Scenario, seed: u64) -> Vec<f64> {
     }
 }
 
-/// Measured rate: the truth with white noise.
-#[must_use]
-pub fn measured(truth: &[f64], seed: u64) -> Vec<f64> {
+/// Measured rate, deg/s: the truth with white noise.
+pub(super) fn measured(truth: &[f64], seed: u64) -> Vec<f64> {
     let mut random = Random::new(seed, 2);
     truth.iter().map(|rate| rate + SIGMA_DPS * random.normal()).collect()
 }

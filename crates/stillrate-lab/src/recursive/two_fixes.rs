@@ -9,10 +9,19 @@ use crate::reference_bias::{METHODS, Reading, ReferenceLog, reference_bias};
 use crate::settings_map::SettingsError;
 
 /// Bias of the table, deg/h.
-pub const BIAS_DEG_H: [f64; 3] = [140.0, 150.0, 160.0];
+const BIAS_DEG_H: [f64; 3] = [140.0, 150.0, 160.0];
 const DEG_H: f64 = core::f64::consts::PI / 180.0 / 3600.0;
 
 /// One row: a motion and a method with its error an axis.
+///
+/// # Example
+/// ```
+/// let rows = stillrate_lab::recursive::two_fixes::table(2.5, 0.005)?;
+/// let blind = rows.iter().find(|row| row.motion == "slow" && row.method == "exact, Earth rate ignored").unwrap();
+/// let missed = blind.error_deg_h.iter().map(|error| error * error).sum::<f64>().sqrt();
+/// assert!((missed - 15.04).abs() < 0.1); // what is ignored comes out as bias: the Earth's 15.04 deg/h
+/// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Name of the motion.
@@ -24,8 +33,7 @@ pub struct Row {
 }
 
 /// A motion without noise: exact mean rates with the bias of the table, a fix at either end.
-#[must_use]
-pub fn simulate(fast: bool, time_s: f64, dt_s: f64) -> ReferenceLog {
+fn simulate(fast: bool, time_s: f64, dt_s: f64) -> ReferenceLog {
     let (latitude, longitude) = (0.91, 0.09);
     let attitude = |t: f64| -> Rotation<f64, Body, Navigation> {
         let sine =
@@ -55,10 +63,22 @@ pub fn simulate(fast: bool, time_s: f64, dt_s: f64) -> ReferenceLog {
     }
 }
 
-/// Every method in slow and fast motion, and the exact one with the Earth standing still.
+/// Every method in slow and fast motion, and the exact one with the Earth standing still, from fixes `time_s` apart and rates every
+/// `dt_s` seconds.
 ///
 /// # Errors
-/// None in practice: the motions are ours.
+/// [`SettingsError`] if `time_s` or `dt_s` is unusable.
+///
+/// # Example
+/// ```
+/// let rows = stillrate_lab::recursive::two_fixes::table(2.5, 0.005)?;
+/// let worst = |method: &str| {
+///     let errors = rows.iter().filter(|row| row.method == method).flat_map(|row| row.error_deg_h);
+///     errors.fold(0.0_f64, |worst, error| worst.max(error.abs()))
+/// };
+/// assert!(worst("exact") < 1e-9 && worst("small-angle") > 1.0); // deg/h
+/// # Ok::<(), stillrate_lab::settings_map::SettingsError>(())
+/// ```
 pub fn table(time_s: f64, dt_s: f64) -> Result<Vec<Row>, SettingsError> {
     let mut rows = Vec::new();
     for (motion, fast) in [("slow", false), ("fast", true)] {

@@ -9,7 +9,18 @@ use std::fmt;
 
 use stillrate::Real;
 
+use super::reflection::{autocovariance, burg, levinson};
+
 /// An autoregressive model fitted to a record.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::{random::Random, tune::autoregressive::{Estimator, fit}};
+/// let white = Random::new(1, 0).normals(4000);
+/// let [one, six] = [1, 6].map(|order| fit(&white, order, Estimator::Burg).unwrap());
+/// assert!(six.process_variance < one.process_variance); // more terms always explain a little more
+/// assert!(six.akaike() > one.akaike()); // but not enough to be worth them
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct AutoregressiveFit {
     /// phi_1 ... phi_p.
@@ -31,6 +42,15 @@ impl AutoregressiveFit {
 }
 
 /// Which of the two estimators.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::tune::autoregressive::{Estimator, fit};
+/// let sine: Vec<f64> = (0..40).map(|k| (0.5 * f64::from(k)).sin()).collect();
+/// // x_k = 2 cos(0.5) x_(k-1) - x_(k-2): short records bias the autocovariance, Burg's form hardly.
+/// let error = |estimator| (fit(&sine, 2, estimator).unwrap().coefficients[1] + 1.0).abs();
+/// assert!(10.0 * error(Estimator::Burg) < error(Estimator::YuleWalker));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimator {
     /// Autocovariance and Levinson-Durbin.
@@ -40,6 +60,14 @@ pub enum Estimator {
 }
 
 /// Why a record cannot be fitted.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::tune::autoregressive::{Estimator, FitError, fit};
+/// assert_eq!(fit(&[1.0; 100], 2, Estimator::Burg), Err(FitError::NoVariation));
+/// let short = fit(&[1.0, 2.0], 2, Estimator::Burg).unwrap_err();
+/// assert_eq!(short.to_string(), "2 samples are too few for order 2 (must be at least 6)");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FitError {
     /// Fewer samples than twice the order plus two.
@@ -93,6 +121,21 @@ pub fn fit(samples: &[f64], order: usize, estimator: Estimator) -> Result<Autore
 ///
 /// # Errors
 /// [`FitError`] as for [`fit`].
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::ArKfSettings};
+/// use stillrate_lab::{random::Random, tune::autoregressive::{Estimator, fit_by_akaike}};
+/// let mut random = Random::new(1, 0);
+/// let mut x = 0.0;
+/// let signal: Vec<f64> = (0..4000).map(|_| { x = 0.9 * x + random.normal(); x }).collect();
+/// let model = fit_by_akaike(&signal, 8, Estimator::Burg).unwrap();
+/// assert!((model.coefficients[0] - 0.9).abs() < 0.05);
+/// let mut settings = ArKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.01));
+/// (settings.order, settings.process_variance_dps2) = (model.coefficients.len(), model.process_variance);
+/// settings.coefficients[..settings.order].copy_from_slice(&model.coefficients);
+/// assert!(settings.build::<f64>().is_ok()); // Burg's models are stationary, as the filter demands
+/// ```
 pub fn fit_by_akaike(
     samples: &[f64],
     highest_order: usize,
@@ -117,78 +160,11 @@ fn fits(samples: &[f64], order: usize, estimator: Estimator) -> Result<Vec<Autor
     let mean = samples.iter().sum::<f64>() / count as f64;
     let deviations: Vec<f64> = samples.iter().map(|sample| sample - mean).collect();
     let models = match estimator {
-        Estimator::YuleWalker => levinson(&autocovariance(&deviations, order))?,
-        Estimator::Burg => burg(&deviations, order)?,
+        Estimator::YuleWalker => levinson(&autocovariance(&deviations, order)),
+        Estimator::Burg => burg(&deviations, order),
     };
     let finish = |(coefficients, process_variance)| AutoregressiveFit { coefficients, process_variance, mean, count };
-    Ok(models.into_iter().map(finish).collect())
-}
-
-/// Coefficients and driving variance of one order.
-type Model = (Vec<f64>, f64);
-
-/// One step of Levinson's recursion: the coefficients of the next order from a reflection coefficient.
-fn extended(coefficients: &[f64], reflection: f64) -> Vec<f64> {
-    let backwards = coefficients.iter().rev();
-    let mut next: Vec<f64> = coefficients.iter().zip(backwards).map(|(a, b)| a - reflection * b).collect();
-    next.push(reflection);
-    next
-}
-
-/// Biased autocovariance at lags 0 to `order`.
-fn autocovariance(deviations: &[f64], order: usize) -> Vec<f64> {
-    let count = deviations.len() as f64;
-    let at = |lag: usize| deviations.iter().zip(&deviations[lag..]).map(|(a, b)| a * b).sum::<f64>() / count;
-    (0..=order).map(at).collect()
-}
-
-/// Levinson-Durbin on an autocovariance.
-fn levinson(covariance: &[f64]) -> Result<Vec<Model>, FitError> {
-    let mut variance = covariance[0];
-    let mut coefficients = Vec::new();
-    let mut models = Vec::new();
-    for order in 1..covariance.len() {
-        if !is_positive(variance) {
-            return Err(FitError::NoVariation);
-        }
-        let predicted: f64 = coefficients.iter().zip(covariance[1..order].iter().rev()).map(|(a, c)| a * c).sum();
-        let reflection = (covariance[order] - predicted) / variance;
-        coefficients = extended(&coefficients, reflection);
-        variance *= 1.0 - reflection * reflection;
-        models.push((coefficients.clone(), variance));
-    }
-    if is_positive(variance) { Ok(models) } else { Err(FitError::NoVariation) }
-}
-
-/// Burg's recursion on the forward and backward prediction errors.
-fn burg(deviations: &[f64], order: usize) -> Result<Vec<Model>, FitError> {
-    let (mut forward, mut backward) = (deviations.to_vec(), deviations.to_vec());
-    let mut variance = deviations.iter().map(|x| x * x).sum::<f64>() / deviations.len() as f64;
-    let mut coefficients = Vec::new();
-    let mut models = Vec::new();
-    for _ in 0..order {
-        // Errors that belong together: forward at k, backward at k - 1.
-        forward.remove(0);
-        backward.pop();
-        let product: f64 = forward.iter().zip(&backward).map(|(f, b)| f * b).sum();
-        let power: f64 = forward.iter().zip(&backward).map(|(f, b)| f * f + b * b).sum();
-        if !(is_positive(power) && is_positive(variance)) {
-            return Err(FitError::NoVariation);
-        }
-        let reflection = 2.0 * product / power;
-        for (f, b) in forward.iter_mut().zip(&mut backward) {
-            (*f, *b) = (*f - reflection * *b, *b - reflection * *f);
-        }
-        coefficients = extended(&coefficients, reflection);
-        variance *= 1.0 - reflection * reflection;
-        models.push((coefficients.clone(), variance));
-    }
-    if is_positive(variance) { Ok(models) } else { Err(FitError::NoVariation) }
-}
-
-/// Above zero and neither NaN nor infinite.
-fn is_positive(number: f64) -> bool {
-    number > 0.0 && number.is_finite()
+    Ok(models.ok_or(FitError::NoVariation)?.into_iter().map(finish).collect())
 }
 
 #[cfg(test)]

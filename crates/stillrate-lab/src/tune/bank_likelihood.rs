@@ -11,7 +11,7 @@ use stillrate::{
 };
 
 use crate::tune::gain_ratio::LN_10;
-use crate::tune::minimise::Objective;
+use crate::tune::objective::Objective;
 use crate::tune::records::Record;
 
 /// Probabilities below this are the bank's floor and not a likelihood.
@@ -64,34 +64,25 @@ impl Likelihood {
     }
 }
 
-/// Objective over (log10 density in deg/s/sqrt(Hz), log10 rate random walk in deg/s/sqrt(s)) of the recommended bank; with one
-/// dimension only the density is sought and the walk is a given share of it.
-#[derive(Clone, Debug)]
-pub struct BankLikelihood<'a> {
+/// Objective over (log10 density in deg/s/sqrt(Hz), log10 rate random walk in deg/s/sqrt(s)) of the recommended bank.
+pub(super) struct BankLikelihood<'a> {
     /// Records that share the noise.
-    pub records: &'a [Record<'a>],
+    pub(super) records: &'a [Record<'a>],
     /// Settings of the bank; their noise is replaced.
-    pub settings: MsImmIkfSettings,
-    /// Rate random walk over density (1/s) where only the density is sought.
-    pub walk_share: f64,
+    pub(super) settings: MsImmIkfSettings,
+}
+
+/// The noise of a point.
+pub(super) fn noise_at(point: &[f64]) -> GyroNoise {
+    GyroNoise::from_density_two_sided((LN_10 * point[0]).exponential())
+        .with_rate_random_walk((LN_10 * point[1]).exponential())
 }
 
 impl BankLikelihood<'_> {
-    /// The noise of a point.
-    #[must_use]
-    pub fn noise(&self, point: &[f64]) -> GyroNoise {
-        let density = (LN_10 * point[0]).exponential();
-        let walk = point.get(1).map_or(self.walk_share * density, |w| (LN_10 * w).exponential());
-        GyroNoise::from_density_two_sided(density).with_rate_random_walk(walk)
-    }
-
-    /// Value of a point.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if the bank cannot be built with this noise.
-    pub fn value(&self, point: &[f64]) -> Result<f64, ConfigError> {
+    /// Value of a point; an error if the bank cannot be built with its noise.
+    fn value(&self, point: &[f64]) -> Result<f64, ConfigError> {
         let mut settings = self.settings.clone();
-        settings.noise = self.noise(point);
+        settings.noise = noise_at(point);
         let filter = settings.build::<f64>()?;
         let dt = filter.period();
         let (mut sum, mut count) = (0.0, 0.0);

@@ -4,7 +4,7 @@
 //! they shrink the bracket fast enough, golden sections where they do not. The bracket is the pair of grid points
 //! beside the best one. The objective over log10(Q/R) may be flat or have a second valley towards the ends; the grid is the guard against both.
 
-use crate::tune::minimise::{MinimiseError, Minimum, Objective, Progress, lowest, value_all};
+use crate::tune::objective::{MinimiseError, Minimum, Objective, Progress, check_bounds, lowest, value_all};
 
 /// (3 - sqrt 5) / 2: the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1.5e-8;
 /// let mut f = |p: &[f64]| (p[0] - 1.25) * (p[0] - 1.25);
 /// let best = minimise(&mut f, &[-12.0], &[4.0], &Method::Brent(Brent::default()), &mut |_| true)?;
 /// assert!((best.point[0] - 1.25).abs() < 1e-3);
-/// # Ok::<(), stillrate_lab::tune::minimise::MinimiseError>(())
+/// # Ok::<(), stillrate_lab::tune::objective::MinimiseError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brent {
@@ -47,6 +47,7 @@ impl Brent {
         upper: &[f64],
         progress: &mut dyn FnMut(&Progress) -> bool,
     ) -> Result<Minimum, MinimiseError> {
+        check_bounds(lower, upper)?;
         let (&[low], &[high]) = (lower, upper) else {
             let text = format!("{} dimensions (must be 1 for brent; use qpso or de)", lower.len());
             return Err(MinimiseError::Setting(text));

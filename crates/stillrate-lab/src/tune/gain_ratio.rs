@@ -9,7 +9,7 @@ use stillrate::Real;
 
 use crate::tune::candidates::{RandomWalks, RateAccelerations};
 use crate::tune::lanes::{self, Candidates, Sums};
-use crate::tune::minimise::Objective;
+use crate::tune::objective::Objective;
 use crate::tune::records::Record;
 
 /// Candidates in a group.
@@ -18,6 +18,17 @@ const WIDTH: usize = 32;
 pub(crate) const LN_10: f64 = core::f64::consts::LN_10;
 
 /// The filter whose noise is sought.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::tune::gain_ratio::Walk;
+/// use stillrate_lab::tune::track::track;
+/// let ramp: Vec<f64> = (0..4000).map(|k| 0.01 * f64::from(k)).collect(); // 1 deg/s^2 at 100 Hz
+/// let lag = |walk, log10_ratio| ramp[3999] - track(walk, log10_ratio, 0.01, &ramp)[3999];
+/// // A random walk lags behind a ramp for ever, by (1 - K)/K samples (gain K = 0.095 here); two states do not.
+/// assert!((lag(Walk::RandomWalk, -2.0) - 0.0951).abs() < 1e-4);
+/// assert!(lag(Walk::RateAcceleration, 0.0).abs() < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Walk {
     /// The rate is a random walk (one state).
@@ -27,6 +38,22 @@ pub enum Walk {
 }
 
 /// What is to be made small.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::{random::Random, tune::records::Record};
+/// use stillrate_lab::tune::gain_ratio::{Criterion, GainRatio, Walk};
+/// let mut random = Random::new(3, 0);
+/// let truth: Vec<f64> = (0..4000).map(|k| 5.0 * (0.01 * f64::from(k)).sin()).collect();
+/// let measured: Vec<f64> = truth.iter().map(|w| w + random.normal()).collect();
+/// let records = [Record { measured: &measured, truth: Some(&truth) }];
+/// let best = |criterion| {
+///     let objective = GainRatio { records: &records, walk: Walk::RandomWalk, criterion, period_s: 0.01 };
+///     objective.tune(&Default::default(), false, &mut |_| true).unwrap().log10_ratio
+/// };
+/// // In motion the innovations alone find nearly what the truth finds.
+/// assert!((best(Criterion::Innovation) - best(Criterion::Truth)).abs() < 0.5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Criterion {
     /// Minus twice the logarithm of the innovations' likelihood, a sample.
@@ -36,13 +63,26 @@ pub enum Criterion {
 }
 
 /// The value of one candidate with what came out on the way.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::{random::Random, tune::records::Record};
+/// use stillrate_lab::tune::gain_ratio::{Criterion, GainRatio, Walk};
+/// let measured = Random::new(1, 0).normals(20_000);
+/// let records = [Record { measured: &measured, truth: None }];
+/// let objective = GainRatio { records: &records, walk: Walk::RandomWalk, criterion: Criterion::Innovation, period_s: 0.01 };
+/// let score = objective.scores(&[0.0])[0]; // Q = 0: the running mean
+/// assert!((score.measurement_variance - 1.0).abs() < 0.03);
+/// assert!((score.innovation - 1.0).abs() < 0.03); // ln 1 + ln 1 + 1
+/// assert!(score.mean_square_error.is_nan()); // there is no truth
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
     /// ln R^ + mean ln F + 1.
     pub innovation: f64,
-    /// R^: measurement variance that the innovations imply.
+    /// R^: measurement variance that the innovations imply, (deg/s)^2.
     pub measurement_variance: f64,
-    /// Mean squared error (NaN without truth).
+    /// Mean squared error, (deg/s)^2 (NaN without truth).
     pub mean_square_error: f64,
 }
 
@@ -55,12 +95,23 @@ impl Score {
 ///
 /// # Example
 /// ```
+/// use stillrate_lab::{random::Random, tune::records::Record};
 /// use stillrate_lab::tune::gain_ratio::{Criterion, GainRatio, Walk};
-/// use stillrate_lab::tune::records::Record;
-/// let measured: Vec<f64> = (0..200).map(|k| f64::from(k % 3)).collect();
+/// use stillrate_lab::tune::minimise::{Method, minimise};
+/// let mut random = Random::new(1, 0);
+/// let mut rate = 0.0;
+/// let measured: Vec<f64> = (0..4000).map(|_| { rate += 0.1 * random.normal(); rate + random.normal() }).collect();
 /// let records = [Record { measured: &measured, truth: None }];
-/// let objective = GainRatio { records: &records, walk: Walk::RandomWalk, criterion: Criterion::Innovation, period_s: 0.02 };
-/// assert!(objective.scores(&[1e-3])[0].innovation.is_finite());
+/// let mut objective = GainRatio { records: &records, walk: Walk::RandomWalk, criterion: Criterion::Innovation, period_s: 0.01 };
+/// let tuned = objective.tune(&Method::default(), false, &mut |_| true)?;
+/// assert!((tuned.log10_ratio + 2.0).abs() < 0.2); // Q/R = 0.01
+/// // The same by hand, as with an optimiser of one's own.
+/// objective.check()?;
+/// let (low, high) = objective.range();
+/// let best = minimise(&mut objective, &[low], &[high], &Method::default(), &mut |_| true)?;
+/// assert_eq!(objective.finish(&best.point, best.value, best.evaluations), tuned);
+/// assert!(objective.scores(&[1e-3])[0].innovation > tuned.value);
+/// # Ok::<(), stillrate_lab::tune::tuned::TuneError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct GainRatio<'a> {
@@ -75,7 +126,7 @@ pub struct GainRatio<'a> {
 }
 
 impl GainRatio<'_> {
-    /// Scores of candidates q.
+    /// Scores of candidates q = Q/R.
     #[must_use]
     pub fn scores(&self, ratios: &[f64]) -> Vec<Score> {
         if ratios.len() == 1 {

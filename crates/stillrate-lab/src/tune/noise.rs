@@ -15,11 +15,20 @@ use stillrate::Real;
 use stillrate::error::positive;
 
 use super::quantum::smallest_step;
+use super::second_differences::white_sigma;
 use super::windows::{REST, Windows};
 use crate::error::LogError;
 use crate::statistics::median;
 
 /// Where noise figures came from.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::tune::{NoiseReason, noise_from_log};
+/// let stuck = noise_from_log(&[0.3; 100], 50.0).unwrap();
+/// assert_eq!(stuck.reason, NoiseReason::Constant);
+/// assert_eq!(stuck.reason.to_string(), "all samples are equal: no noise to measure");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseReason {
     /// Measured over a stretch at rest.
@@ -43,6 +52,18 @@ impl fmt::Display for NoiseReason {
 }
 
 /// Noise figures of one channel, in the unit of the log (deg/s).
+///
+/// # Example
+/// ```
+/// use stillrate_lab::{simulate::GyroNoiseModel, tune::noise_from_log};
+/// let model = GyroNoiseModel { density_dps_sqrt_hz: 0.1, lsb_dps: 1.0, ..GyroNoiseModel::perfect() };
+/// let mut z = model.record(&[20.0; 4000], 100.0, 1).unwrap().measured_dps;
+/// (0..1000).for_each(|k| z[k] += f64::from((k / 100 % 2) as u8) * 40.0); // moves for the first 10 s
+/// let noise = noise_from_log(&z, 100.0).unwrap();
+/// assert_eq!(noise.lsb_dps, 1.0);
+/// assert!(noise.quiet.start >= 900 && (noise.moving_fraction - 0.25).abs() < 0.05);
+/// assert!(noise.density_dps_sqrt_hz > 0.1); // the converter's step adds its own noise
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseFromLog {
     /// Two-sided white density N, deg/s/sqrt(Hz); above 0.
@@ -63,12 +84,6 @@ pub struct NoiseFromLog {
 
 /// Fewest finite samples to say anything.
 const FEWEST: usize = 8;
-/// MAD of a normal deviate over its standard deviation.
-const MAD_OF_NORMAL: f64 = 0.674_489_750_196_081_7;
-/// Steps of the converter below which a median of second differences is too coarse.
-const COARSE: f64 = 3.0;
-/// Differences from which the median is precise enough: below, it scatters 1.6 times as much as the root mean square.
-const MANY: usize = 2000;
 /// Longest averaging time for the walk, s, and the smallest K / N in 1/sqrt(s).
 const WALK: (f64, f64) = (30.0, 1e-3);
 /// Rest (s) from which the Allan deviation at 1 s is trusted, and how far it must exceed N to replace it (a low-pass in
@@ -163,21 +178,6 @@ fn constant(value: f64, all: Range<usize>) -> NoiseFromLog {
         motion_dominated: false,
         reason: NoiseReason::Constant,
     }
-}
-
-/// Standard deviation of the white part of a stretch, from its second differences.
-pub(super) fn white_sigma(z: &[f64], lsb: f64) -> f64 {
-    let differences: Vec<f64> = z.windows(3).map(|w| (w[2] - w[1]) - (w[1] - w[0])).collect();
-    let middle = median(&mut differences.clone());
-    let mut deviations: Vec<f64> = differences.iter().map(|d| (d - middle).magnitude()).collect();
-    let mad = median(&mut deviations);
-    if mad > COARSE * lsb && deviations.len() >= MANY {
-        return mad / (MAD_OF_NORMAL * 6.0_f64.root());
-    }
-    let limit = (4.0 * mad / MAD_OF_NORMAL).max(COARSE * lsb);
-    let kept = deviations.iter().filter(|d| **d <= limit);
-    let (sum, count) = kept.fold((0.0, 0.0), |(sum, n), d| (sum + d * d, n + 1.0));
-    if count > 0.0 { (sum / count / 6.0).root() } else { 0.0 }
 }
 
 /// N at rest; the Allan deviation at 1 s where a long rest shows that the differences miss a part of the noise.

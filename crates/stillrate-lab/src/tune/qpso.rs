@@ -10,9 +10,21 @@
 use stillrate::Real;
 
 use crate::random::{Generator, SplitMix64};
-use crate::tune::minimise::{MinimiseError, Minimum, Objective, Progress, lowest, value_all};
+use crate::tune::objective::{MinimiseError, Minimum, Objective, Progress, check_bounds, value_all};
+use crate::tune::swarm::Swarm;
 
 /// Where an attractor lies between a particle's own best and the swarm's.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::tune::{minimise::{Method, minimise}, qpso::{Attractor, Qpso}};
+/// let mut bowl = |p: &[f64]| (p[0] - 3.0) * (p[0] - 3.0); // a centre away from 0, where wrong attractors pull to
+/// for attractor in [Attractor::Ratio, Attractor::Uniform] {
+///     let method = Method::Qpso(Qpso { attractor, ..Qpso::default() });
+///     let best = minimise(&mut bowl, &[-10.0], &[10.0], &method, &mut |_| true).unwrap();
+///     assert!((best.point[0] - 3.0).abs() < 0.01);
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attractor {
     /// phi = c1 r1 / (c1 r1 + c2 r2).
@@ -22,6 +34,18 @@ pub enum Attractor {
 }
 
 /// What happens to a coordinate outside the box.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::tune::{minimise::{Method, minimise}, qpso::{Bound, Qpso}};
+/// let mut slope = |p: &[f64]| p[0];
+/// let mut least = |bound| {
+///     let method = Method::Qpso(Qpso { bound, ..Qpso::default() });
+///     minimise(&mut slope, &[1.0], &[2.0], &method, &mut |_| true).unwrap().value
+/// };
+/// assert_eq!(least(Bound::Clip), 1.0); // a minimum on the edge is met exactly
+/// assert!(least(Bound::Reflect) < 1.001);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// Set to the bound.
@@ -34,9 +58,18 @@ pub enum Bound {
 ///
 /// # Example
 /// ```
+/// use stillrate_lab::random::{Generator, SplitMix64};
 /// use stillrate_lab::tune::qpso::Qpso;
-/// let paper = Qpso::default();
-/// assert_eq!((paper.particles, paper.iterations, paper.target), (100, 100, 1e-5));
+/// let mut generator = SplitMix64::new(1);
+/// let mut contractions = Vec::new();
+/// let last = Qpso::default().run(&mut |p: &[f64]| 1.0 + p[0] * p[0], &[-10.0], &[10.0], &mut || generator.uniform(), &mut |swarm| {
+///     contractions.push(swarm.contraction);
+///     true
+/// })?;
+/// assert_eq!((last.position.len(), contractions.len()), (100, 101)); // particles; the initial swarm and 100 iterations
+/// assert_eq!(contractions[1], 1.0); // from w2, falling towards w1 = 0.5
+/// assert!(contractions[100] < 0.51 && last.swarm_value < 1.0 + 1e-6);
+/// # Ok::<(), stillrate_lab::tune::objective::MinimiseError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Qpso {
@@ -80,29 +113,6 @@ impl Default for Qpso {
     }
 }
 
-/// The swarm after one iteration.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Swarm {
-    /// Iterations done.
-    pub iteration: usize,
-    /// Contraction coefficient of this iteration (NaN before the first).
-    pub contraction: f64,
-    /// Mean of all particles' best positions before this iteration (empty before the first).
-    pub mean_best: Vec<f64>,
-    /// Positions, particle by particle.
-    pub position: Vec<f64>,
-    /// Values there.
-    pub value: Vec<f64>,
-    /// Each particle's best position.
-    pub best: Vec<f64>,
-    /// Values there.
-    pub best_value: Vec<f64>,
-    /// The swarm's best position.
-    pub swarm_best: Vec<f64>,
-    /// Value there.
-    pub swarm_value: f64,
-}
-
 impl Qpso {
     pub(crate) fn minimise(
         &self,
@@ -126,7 +136,7 @@ impl Qpso {
     /// which may stop it.
     ///
     /// # Errors
-    /// [`MinimiseError`] for settings out of range, if `watch` stops the run, or if no value was finite.
+    /// [`MinimiseError`] for bounds or settings out of range, if `watch` stops the run, or if no value was finite.
     pub fn run(
         &self,
         objective: &mut dyn Objective,
@@ -135,9 +145,10 @@ impl Qpso {
         uniform: &mut dyn FnMut() -> f64,
         watch: &mut dyn FnMut(&Swarm) -> bool,
     ) -> Result<Swarm, MinimiseError> {
+        check_bounds(lower, upper)?;
         self.check()?;
         let dimensions = lower.len();
-        let mut swarm = self.scatter(objective, lower, upper, uniform)?;
+        let mut swarm = Swarm::scattered(self.particles, objective, lower, upper, uniform)?;
         for t in 0..=self.iterations {
             if !watch(&swarm) {
                 return Err(MinimiseError::Stopped);
@@ -179,32 +190,6 @@ impl Qpso {
             return bad("target", self.target, "a number or minus infinity");
         }
         Ok(())
-    }
-
-    /// Particles spread evenly over the box.
-    fn scatter(
-        &self,
-        objective: &mut dyn Objective,
-        lower: &[f64],
-        upper: &[f64],
-        uniform: &mut dyn FnMut() -> f64,
-    ) -> Result<Swarm, MinimiseError> {
-        let position: Vec<f64> = (0..self.particles)
-            .flat_map(|_| lower.iter().zip(upper).map(|(lo, hi)| lo + (hi - lo) * uniform()).collect::<Vec<_>>())
-            .collect();
-        let value = value_all(objective, &position, lower.len())?;
-        let (first, swarm_value) = lowest(&value).unwrap_or((0, f64::INFINITY));
-        Ok(Swarm {
-            iteration: 0,
-            contraction: f64::NAN,
-            mean_best: Vec::new(),
-            swarm_best: position[first * lower.len()..(first + 1) * lower.len()].to_vec(),
-            best: position.clone(),
-            best_value: value.clone(),
-            position,
-            value,
-            swarm_value,
-        })
     }
 
     fn move_all(
@@ -258,19 +243,17 @@ impl Qpso {
     }
 }
 
-impl Swarm {
-    /// Updates each particle's best (strictly better only), then the swarm's.
-    fn remember(&mut self, dimensions: usize) {
-        for (i, (&value, best)) in self.value.iter().zip(&mut self.best_value).enumerate() {
-            if value < *best {
-                *best = value;
-                let range = i * dimensions..(i + 1) * dimensions;
-                self.best[range.clone()].copy_from_slice(&self.position[range]);
-            }
-        }
-        if let Some((i, value)) = lowest(&self.best_value) {
-            self.swarm_value = value;
-            self.swarm_best.copy_from_slice(&self.best[i * dimensions..(i + 1) * dimensions]);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_that_are_no_box_are_refused_by_the_swarm_itself() {
+        let run = |lower: &[f64], upper: &[f64]| {
+            Qpso::default().run(&mut |p: &[f64]| p.iter().sum(), lower, upper, &mut || 0.5, &mut |_| true)
+        };
+        for (lower, upper) in [(&[] as &[f64], &[] as &[f64]), (&[0.0, 0.0], &[1.0]), (&[1.0], &[0.0])] {
+            assert!(matches!(run(lower, upper), Err(MinimiseError::Bounds(_))), "{lower:?} {upper:?}");
         }
     }
 }

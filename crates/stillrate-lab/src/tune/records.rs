@@ -1,46 +1,55 @@
-//! Records to tune on: what can be used at all, how noisy it is, and whether anything moves in it.
+//! Records to tune on: what can be used at all, and whether anything moves in it.
 //!
-//! White noise is taken from the median magnitude of the second difference, which smooth motion hardly touches. A record moves if the
-//! averages of blocks of a tenth of a second spread further than noise and slow drift explain. A record in which nothing
-//! moves has a best Q/R too, but it is the one for standing still.
+//! A record moves if the averages of blocks of a tenth of a second spread further than noise and slow drift explain. A record in which
+//! nothing moves has a best Q/R too, but it is the one for standing still.
 
 use core::fmt;
 
 use stillrate::Real;
 
+use super::second_differences::white_sigma_with_gaps;
+
 /// Fewest usable samples of a record.
-pub const FEWEST_SAMPLES: usize = 64;
+pub(crate) const FEWEST_SAMPLES: usize = 64;
 /// Block averages cover this time, s: shorter than the motion of anything with mass, long against the noise.
 const BLOCK_S: f64 = 0.1;
 /// Most samples in a block.
 const LONGEST_BLOCK: usize = 1000;
-/// Median magnitude of a normal deviate, in standard deviations.
-const MEDIAN_MAGNITUDE: f64 = 0.674_489_750_196_081_7;
-/// Standard deviation of a second difference of white noise: sqrt(1 + 4 + 1).
-const SECOND_DIFFERENCE: f64 = 2.449_489_742_783_178;
 
 /// One measured record, with the true rate where it is known. NaN is a missing sample.
 ///
 /// # Example
 /// ```
-/// use stillrate_lab::tune::records::Record;
-/// let still = [0.1; 100];
-/// assert!(Record { measured: &still, truth: None }.check(0, false).is_err()); // no noise in it
+/// use stillrate_lab::{random::Random, tune::records::Record};
+/// let still = Random::new(1, 0).normals(1000); // at 100 Hz
+/// let turning: Vec<f64> = still.iter().zip(0..).map(|(noise, k)| noise + 5.0 * (0.02 * f64::from(k)).sin()).collect();
+/// assert!(!Record { measured: &still, truth: None }.moves(0.01));
+/// assert!(Record { measured: &turning, truth: None }.moves(0.01));
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Record<'a> {
-    /// Measured rate.
+    /// Measured rate, deg/s.
     pub measured: &'a [f64],
-    /// True rate at the same samples.
+    /// True rate at the same samples, deg/s.
     pub truth: Option<&'a [f64]>,
 }
 
 /// Why a record cannot be used.
+///
+/// # Example
+/// ```
+/// use stillrate_lab::tune::gain_ratio::{Criterion, GainRatio, Walk};
+/// use stillrate_lab::tune::records::{Record, RecordError};
+/// use stillrate_lab::tune::tuned::TuneError;
+/// let records = [Record { measured: &[0.1; 100], truth: None }];
+/// let objective = GainRatio { records: &records, walk: Walk::RandomWalk, criterion: Criterion::Innovation, period_s: 0.01 };
+/// assert_eq!(objective.check(), Err(TuneError::Record(RecordError::NoNoise { record: 0 })));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum RecordError {
     /// There is no record.
     None,
-    /// Fewer usable samples than [`FEWEST_SAMPLES`].
+    /// Fewer usable samples than 64.
     Short {
         /// Which record.
         record: usize,
@@ -80,10 +89,7 @@ impl std::error::Error for RecordError {}
 
 impl Record<'_> {
     /// Whether the record can be used; `number` is what an error calls it.
-    ///
-    /// # Errors
-    /// [`RecordError`].
-    pub fn check(&self, number: usize, needs_truth: bool) -> Result<(), RecordError> {
+    pub(crate) fn check(&self, number: usize, needs_truth: bool) -> Result<(), RecordError> {
         let usable = self.measured.iter().filter(|v| v.is_finite()).count();
         if usable < FEWEST_SAMPLES {
             return Err(RecordError::Short { record: number, usable });
@@ -107,26 +113,10 @@ impl Record<'_> {
         }
     }
 
-    /// Standard deviation of the white part of the noise.
-    #[must_use]
-    pub fn white_noise(&self) -> f64 {
-        let mut second: Vec<f64> =
-            self.measured.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).filter(|v| v.is_finite()).collect();
-        if second.is_empty() {
-            return 0.0;
-        }
-        let middle = second.len() / 2;
-        let (_, median, _) = second.select_nth_unstable_by(middle, f64::total_cmp);
-        let sigma = *median / (MEDIAN_MAGNITUDE * SECOND_DIFFERENCE);
-        // Coarse quantisation: most differences are zero, so their root mean square has to do.
-        let mean_square = second.iter().map(|d| d * d).sum::<f64>() / second.len() as f64;
-        if sigma > 0.0 { sigma } else { mean_square.root() / SECOND_DIFFERENCE }
-    }
-
-    /// Whether more moves in the record than noise and slow drift.
+    /// Whether more moves in the record than noise and slow drift; `period_s` between samples.
     #[must_use]
     pub fn moves(&self, period_s: f64) -> bool {
-        let sigma = self.white_noise();
+        let sigma = white_sigma_with_gaps(self.measured);
         let length =
             ((BLOCK_S / period_s) as usize).clamp(1, LONGEST_BLOCK).min(self.measured.len().div_ceil(8)).max(1);
         let means: Vec<f64> = self.measured.chunks_exact(length).filter_map(mean).collect();

@@ -9,7 +9,7 @@ use core::ops::Range;
 
 use stillrate::Real;
 
-use super::noise::white_sigma;
+use super::second_differences::white_sigma;
 use crate::statistics::{median, quantile};
 
 /// Length of a window, s, and its fewest samples.

@@ -4,13 +4,15 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stillrate::Flags;
+use stillrate::correction::HIDDEN;
 use stillrate_lab::rate_table::candidate::{Candidate, from_network};
 use stillrate_lab::rate_table::fit::{self, Fit, Options};
 use stillrate_lab::rate_table::model::ErrorModel;
-use stillrate_lab::rate_table::network::{Network, Scaling, Shape};
+use stillrate_lab::rate_table::network::{Scaling, Shape};
 use stillrate_lab::rate_table::plateaus;
-use stillrate_lab::rate_table::points::{self, Log, Point};
+use stillrate_lab::rate_table::points::{Log, Point};
 
+use super::network::RateTableNetwork;
 use super::{slice, value_error};
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -39,14 +41,11 @@ impl RateTableModel {
     /// A trained network with its scaling, unguarded.
     #[staticmethod]
     fn from_network(
-        inputs: usize,
-        hidden: usize,
-        linear: bool,
-        parameters: Vec<f64>,
+        network: &RateTableNetwork,
         input_scaling: Vec<(f64, f64)>,
         output_scaling: (f64, f64),
     ) -> PyResult<Self> {
-        let network = Network::new(Shape { inputs, hidden, linear }, parameters).map_err(value_error)?;
+        let Shape { inputs, hidden, .. } = network.0.shape();
         if input_scaling.len() != inputs || inputs > 2 {
             return Err(value_error(format!(
                 "{} scalings for {inputs} inputs (must be as many, 1 or 2)",
@@ -54,13 +53,10 @@ impl RateTableModel {
             )));
         }
         let scaling = Scaling { inputs: input_scaling, output: output_scaling };
-        if hidden > stillrate::correction::HIDDEN {
-            return Err(value_error(format!(
-                "{hidden} hidden units (must be at most {})",
-                stillrate::correction::HIDDEN
-            )));
+        if hidden > HIDDEN {
+            return Err(value_error(format!("{hidden} hidden units (must be at most {HIDDEN})")));
         }
-        let curve = from_network(&network, &scaling, 1).checked().map_err(value_error)?;
+        let curve = from_network(&network.0, &scaling, 1).checked().map_err(value_error)?;
         let model = ErrorModel {
             curve,
             kind: "network".into(),
@@ -225,10 +221,9 @@ fn rate_table_fit<'py>(
     let log = Log { measured: slice(&measured)?, truth: slice(&truth)?, temperature };
     let options = options(candidates, slope_limit, seed)?;
     let fitted = py.detach(|| {
-        points::check(log)?;
         let points = match &segments {
-            Some(segments) => points::from_segments(log, segments)?,
-            None => points::from_log(log)?,
+            Some(segments) => log.points_of(segments)?,
+            None => log.points()?,
         };
         fit::fit(points, &options)
     });
@@ -248,7 +243,7 @@ fn rate_table_fit_points(
     slope_limit: f64,
     seed: u64,
 ) -> PyResult<Bound<'_, PyDict>> {
-    let made = points::from_means(&rates, &errors, &standard_errors, temperatures.as_deref()).map_err(value_error)?;
+    let made = Point::means(&rates, &errors, &standard_errors, temperatures.as_deref()).map_err(value_error)?;
     let options = options(candidates, slope_limit, seed)?;
     let fitted = py.detach(|| fit::fit(made, &options));
     result(py, &fitted.map_err(value_error)?, slope_limit)

@@ -3,11 +3,12 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use stillrate_lab::rate_table::errors::Errors;
 use stillrate_lab::tune::gain_ratio::{Criterion, GainRatio, Walk};
-use stillrate_lab::tune::minimise::{Objective, Progress};
+use stillrate_lab::tune::objective::{Objective, Progress};
 use stillrate_lab::tune::records::Record;
 use stillrate_lab::tune::track;
-use stillrate_lab::tune::tuned::{self, Tuned};
+use stillrate_lab::tune::tuned::Tuned;
 use stillrate_lab::tune::tuned_bank::tune_bank as tune_bank_on;
 
 use super::search::{ask, method_from};
@@ -16,26 +17,10 @@ use super::{slice, value_error};
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(kalman_random_walk, module)?)?;
     module.add_function(wrap_pyfunction!(kalman_track, module)?)?;
-    module.add_function(wrap_pyfunction!(kalman_score, module)?)?;
     module.add_function(wrap_pyfunction!(compare_rates, module)?)?;
     module.add_function(wrap_pyfunction!(tune_noise, module)?)?;
     module.add_function(wrap_pyfunction!(tune_bank, module)?)?;
     module.add_class::<NoiseObjective>()
-}
-
-/// Innovation score, R^ and settled gain of a run of the scalar filter.
-#[pyfunction]
-fn kalman_score(
-    measured: PyReadonlyArray1<'_, f64>,
-    process_noise: f64,
-    measurement_variance: f64,
-    start_rate: f64,
-    start_variance: f64,
-) -> PyResult<(f64, f64, f64)> {
-    let z = slice(&measured)?;
-    let run = track::random_walk(z, process_noise, measurement_variance, start_rate, start_variance);
-    let score = track::score(&run.map_err(value_error)?, z, process_noise, measurement_variance);
-    Ok((score.innovation, score.measurement_variance, score.settled_gain))
 }
 
 /// Mean squared and mean absolute difference.
@@ -49,13 +34,11 @@ fn compare_rates(estimate: PyReadonlyArray1<'_, f64>, truth: PyReadonlyArray1<'_
             truth.len()
         )));
     }
-    let cell = stillrate_lab::rate_table::table3::cell(estimate, truth);
-    Ok((cell.mse, cell.mae))
+    let errors = Errors::of(estimate, truth);
+    Ok((errors.mse, errors.mae))
 }
 
-type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
-
-/// Rate, gain and variance of the scalar random-walk filter.
+/// Rate, variance and gain of the scalar random-walk filter, with the score of its innovations, R^ and the settled gain.
 #[pyfunction]
 fn kalman_random_walk<'py>(
     py: Python<'py>,
@@ -64,11 +47,18 @@ fn kalman_random_walk<'py>(
     measurement_variance: f64,
     start_rate: f64,
     start_variance: f64,
-) -> PyResult<Arrays<'py>> {
+) -> PyResult<Bound<'py, PyDict>> {
     let z = slice(&measured)?;
     let run = track::random_walk(z, process_noise, measurement_variance, start_rate, start_variance);
     let run = run.map_err(value_error)?;
-    Ok((PyArray1::from_vec(py, run.rate), PyArray1::from_vec(py, run.gain), PyArray1::from_vec(py, run.variance)))
+    let dict = PyDict::new(py);
+    dict.set_item("rate_dps", PyArray1::from_vec(py, run.rate))?;
+    dict.set_item("variance", PyArray1::from_vec(py, run.variance))?;
+    dict.set_item("gain", PyArray1::from_vec(py, run.gain))?;
+    dict.set_item("innovation", run.innovation)?;
+    dict.set_item("implied_variance", run.implied_variance)?;
+    dict.set_item("settled_gain", run.settled_gain)?;
+    Ok(dict)
 }
 
 /// Rate of the small filter of a given log10(Q/R).
@@ -107,6 +97,10 @@ impl NoiseObjective {
         let truth = |k: usize| self.truth.as_ref().map(|t| t[k].as_slice());
         self.measured.iter().enumerate().map(|(k, y)| Record { measured: y, truth: truth(k) }).collect()
     }
+
+    fn over<'a>(&self, records: &'a [Record<'a>]) -> GainRatio<'a> {
+        GainRatio { records, walk: self.walk, criterion: self.criterion, period_s: self.period_s }
+    }
 }
 
 #[pymethods]
@@ -137,7 +131,7 @@ impl NoiseObjective {
         if let Some(truth) = objective.truth.as_ref().filter(|truth| truth.len() != objective.measured.len()) {
             return Err(value_error(format!("{} true records for {} measured", truth.len(), objective.measured.len())));
         }
-        tuned::check(&objective.records(), period_s, criterion).map_err(value_error)?;
+        objective.over(&objective.records()).check().map_err(value_error)?;
         Ok(objective)
     }
 
@@ -148,7 +142,7 @@ impl NoiseObjective {
 
     /// Lower and upper end of log10(Q/R).
     fn range(&self) -> (f64, f64) {
-        tuned::range(self.walk, self.period_s)
+        self.over(&[]).range()
     }
 
     /// Values at points of one dimension (log10 Q/R) or two (log10 Q, log10 R), given row after row.
@@ -162,11 +156,7 @@ impl NoiseObjective {
             return Err(value_error(format!("dimensions = {dimensions} (must be 1 or 2)")));
         }
         let points = slice(&points)?;
-        let values = py.detach(|| {
-            let records = self.records();
-            let (walk, criterion, period_s) = (self.walk, self.criterion, self.period_s);
-            GainRatio { records: &records, walk, criterion, period_s }.values(points, dimensions)
-        });
+        let values = py.detach(|| self.over(&self.records()).values(points, dimensions));
         Ok(PyArray1::from_vec(py, values))
     }
 
@@ -178,10 +168,7 @@ impl NoiseObjective {
         value: f64,
         evaluations: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let records = self.records();
-        let (walk, criterion, period_s) = (self.walk, self.criterion, self.period_s);
-        let objective = GainRatio { records: &records, walk, criterion, period_s };
-        as_dict(py, &tuned::finish(&objective, &point, value, evaluations))
+        as_dict(py, &self.over(&self.records()).finish(&point, value, evaluations))
     }
 }
 
@@ -197,6 +184,11 @@ fn as_dict<'py>(py: Python<'py>, tuned: &Tuned) -> PyResult<Bound<'py, PyDict>> 
     Ok(dict)
 }
 
+/// Asks the Python callback from a search that has let go of the interpreter.
+fn asked(progress: Option<&Py<PyAny>>, state: &Progress) -> bool {
+    progress.is_none_or(|callback| Python::attach(|py| ask(Some(callback.bind(py)), state)))
+}
+
 /// Tunes Q/R by Brent or QPSO.
 #[pyfunction]
 fn tune_noise<'py>(
@@ -208,14 +200,9 @@ fn tune_noise<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let method = method_from(method, options)?;
-    let found = py.detach(|| {
-        let mut report = |state: &Progress| match &progress {
-            Some(callback) => Python::attach(|py| ask(Some(callback.bind(py)), state)),
-            None => true,
-        };
-        let (walk, criterion, period_s) = (objective.walk, objective.criterion, objective.period_s);
-        tuned::tune(&objective.records(), period_s, walk, criterion, &method, separate, &mut report)
-    });
+    let records = objective.records();
+    let found =
+        py.detach(|| objective.over(&records).tune(&method, separate, &mut |state| asked(progress.as_ref(), state)));
     as_dict(py, &found.map_err(value_error)?)
 }
 
@@ -226,13 +213,8 @@ fn tune_bank(
     objective: &NoiseObjective,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(f64, f64, f64, usize)> {
-    let found = py.detach(|| {
-        let mut report = |state: &Progress| match &progress {
-            Some(callback) => Python::attach(|py| ask(Some(callback.bind(py)), state)),
-            None => true,
-        };
-        tune_bank_on(&objective.records(), objective.period_s, &mut report)
-    });
+    let report = &mut |state: &Progress| asked(progress.as_ref(), state);
+    let found = py.detach(|| tune_bank_on(&objective.records(), objective.period_s, report));
     let found = found.map_err(value_error)?;
     let noise = found.noise;
     Ok((noise.density_dps_sqrt_hz, noise.rate_random_walk_dps_sqrt_s, found.value, found.evaluations))

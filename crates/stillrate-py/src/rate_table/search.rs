@@ -5,7 +5,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use stillrate_lab::random::{Generator, SplitMix64};
 use stillrate_lab::tune::brent::Brent;
-use stillrate_lab::tune::minimise::{Method, Minimum, Objective, Progress, minimise};
+use stillrate_lab::tune::minimise::{Method, minimise};
+use stillrate_lab::tune::objective::{Minimum, Objective, Progress};
 use stillrate_lab::tune::qpso::{Attractor, Bound as BoxBound, Qpso};
 
 use super::value_error;

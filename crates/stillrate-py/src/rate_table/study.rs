@@ -5,8 +5,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stillrate::correction::ErrorCurve;
 use stillrate_lab::random::Random;
-use stillrate_lab::rate_table::bed::{JUMP_MOTIONS, SAMPLE_RATE_HZ, TEST_MOTIONS, Unit, calibration};
-use stillrate_lab::rate_table::study::{contenders, prepare, score};
+use stillrate_lab::rate_table::bed::{SAMPLE_RATE_HZ, Unit, motion_names};
+use stillrate_lab::rate_table::study::Study;
 use stillrate_lab::rate_table::table3::table3;
 
 use super::value_error;
@@ -24,7 +24,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Names of the motions in range and of those that jump.
 #[pyfunction]
 fn rate_table_motions() -> (Vec<&'static str>, Vec<&'static str>) {
-    (TEST_MOTIONS.iter().map(|m| m.name).collect(), JUMP_MOTIONS.iter().map(|m| m.name).collect())
+    motion_names()
 }
 
 /// The unit of a seed; 0 is the nominal one.
@@ -56,14 +56,14 @@ type Pair<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 /// True and measured rate of a calibration run at 2 kHz.
 #[pyfunction]
 fn rate_table_calibration(py: Python<'_>, unit: u64, seed: u64, rates: usize, seconds: f64) -> Pair<'_> {
-    let (truth, measured) = calibration(&unit_of(unit), rates, seconds, &mut Random::new(seed, 78));
+    let (truth, measured) = unit_of(unit).calibration(rates, seconds, &mut Random::new(seed, 78));
     (PyArray1::from_vec(py, truth), PyArray1::from_vec(py, measured))
 }
 
 /// True and measured rates of the six records like the published ones.
 #[pyfunction]
 fn rate_table_published(py: Python<'_>, unit: u64, seed: u64) -> Vec<Pair<'_>> {
-    let records = stillrate_lab::rate_table::published::records(&unit_of(unit), seed);
+    let records = unit_of(unit).published_records(seed);
     records.into_iter().map(|(w, y)| (PyArray1::from_vec(py, w), PyArray1::from_vec(py, y))).collect()
 }
 
@@ -94,23 +94,17 @@ fn staircase(py: Python<'_>, dict: &Bound<'_, PyDict>, curve: &ErrorCurve<f64>) 
 /// Every method on a unit's held-out motions; `published_epochs` 0 leaves the published network out.
 #[pyfunction]
 fn rate_table_study(py: Python<'_>, unit: u64, seed: u64, published_epochs: usize) -> PyResult<Bound<'_, PyDict>> {
-    let made = py.detach(|| -> Result<_, String> {
-        let unit = unit_of(unit);
-        let prepared = prepare(&unit, seed, published_epochs)?;
-        let rows = score(&unit, seed, &contenders(&prepared));
-        Ok((prepared, rows))
-    });
-    let (prepared, rows) = made.map_err(value_error)?;
+    let study = py.detach(|| Study::of(&unit_of(unit), seed, published_epochs)).map_err(value_error)?;
     let dict = PyDict::new(py);
     let table: Vec<_> =
-        rows.into_iter().map(|r| (r.method.clone(), r.overall(), r.in_range, r.jumps, r.outside)).collect();
+        study.rows.into_iter().map(|r| (r.method.clone(), r.overall(), r.in_range, r.jumps, r.outside)).collect();
     dict.set_item("rows", table)?;
-    dict.set_item("chosen", prepared.fit.chosen.name())?;
-    dict.set_item("held_out_dps", prepared.fit.held_out)?;
-    dict.set_item("blind", prepared.blind.each_ref().map(|t| t.log10_ratio))?;
-    dict.set_item("seen", prepared.seen.each_ref().map(|t| t.log10_ratio))?;
-    dict.set_item("on_constants", prepared.on_constants.each_ref().map(|t| t.log10_ratio))?;
-    dict.set_item("warned", prepared.on_constants[0].warnings())?;
+    dict.set_item("chosen", study.fit.chosen.name())?;
+    dict.set_item("held_out_dps", study.fit.held_out)?;
+    dict.set_item("blind", study.blind.each_ref().map(|t| t.log10_ratio))?;
+    dict.set_item("seen", study.seen.each_ref().map(|t| t.log10_ratio))?;
+    dict.set_item("on_constants", study.on_constants.each_ref().map(|t| t.log10_ratio))?;
+    dict.set_item("warned", study.on_constants[0].warnings())?;
     dict.set_item("sample_rate_hz", SAMPLE_RATE_HZ)?;
     Ok(dict)
 }
