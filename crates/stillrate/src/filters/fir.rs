@@ -24,6 +24,8 @@ use crate::sound;
 pub const CAPACITY: usize = 128;
 /// Sums that run side by side; the order of addition is the same whatever the width of the machine.
 const LANES: usize = 8;
+/// Sum of the taps of a window below which they are nothing but zeros and their rounding errors.
+const SMALLEST_SUM: f64 = 1e-9;
 /// Windows by name.
 pub const WINDOWS: [&str; 4] = ["boxcar", "hann", "hamming", "blackman"];
 /// What the register holds before the first sample.
@@ -126,7 +128,7 @@ impl FirLowPassSettings {
             if k < count { ideal * window(self.window, k as f64, length) } else { 0.0 }
         });
         let sum: f64 = raw.iter().sum();
-        if sum == 0.0 {
+        if sum.magnitude() < SMALLEST_SUM {
             return Err(ConfigError::new("length", length, "taps", "at least 3 for this window"));
         }
         Ok((raw.map(|tap| tap / sum), count))

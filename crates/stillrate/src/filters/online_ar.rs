@@ -63,9 +63,9 @@ impl<T: Real, const N: usize> OnlineAr<T, N> {
         } else {
             VectorRlsEstimate { prediction: T::ZERO, innovation: T::ZERO, flags: Flags::NO_DATA_YET }
         };
-        state.past.rotate_right(1);
-        if let Some(newest) = state.past.first_mut() {
-            *newest = value;
+        if let Some(oldest) = state.past.last_mut() {
+            *oldest = value;
+            state.past.rotate_right(1);
         }
         state.run = state.run.saturating_add(1);
         estimate

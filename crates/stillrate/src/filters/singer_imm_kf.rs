@@ -12,7 +12,7 @@ use crate::models::SingerCoefficients;
 use crate::plain;
 use crate::real::Real;
 use crate::reals;
-use crate::reals::{Lane, Lanes};
+use crate::reals::{Lane, Lanes, Reals};
 use crate::sound;
 
 plain! {
@@ -135,6 +135,9 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
 
     #[inline(always)]
     fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        if lanes.len() < <Self::State as Reals<T>>::COUNT {
+            return;
+        }
         let tempo = self.tempo(dt);
         let mut state: SingerImmKfState<Lane<T, W>> = block::load_wide(lanes);
         for row in tile {
