@@ -26,6 +26,7 @@ pub mod elementary;
 pub mod error;
 pub mod filter;
 pub mod filters;
+mod flags;
 pub mod gaussian;
 pub mod gimbal;
 mod glide;

@@ -67,7 +67,7 @@ pub trait Settings: Clone + core::fmt::Debug + Send + Sync + 'static {
 }
 
 /// Hands the two figures of a [`GyroNoise`] to a visitor.
-pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
+pub(crate) fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
     visitor.number("noise.density_dps_sqrt_hz", &mut noise.density_dps_sqrt_hz);
     visitor.number("noise.rate_random_walk_dps_sqrt_s", &mut noise.rate_random_walk_dps_sqrt_s);
 }

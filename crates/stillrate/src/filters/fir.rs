@@ -38,7 +38,9 @@ pub const STARTS: [&str; 2] = ["first-sample", "zero"];
 /// use stillrate::{GyroNoise, Settings, filters::FirLowPassSettings};
 /// let settings = FirLowPassSettings::defaults(200.0, GyroNoise::from_density_two_sided(0.01));
 /// assert_eq!(settings.length, 40.0); // the noise and the delay of RLS at its default memory of 0.1 s
-/// assert!(settings.build::<f32>().is_ok());
+/// let (taps, count) = settings.designed()?;
+/// assert_eq!((taps[39], taps[40], count), (1.0 / 40.0, 0.0, 40));
+/// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirLowPassSettings {
@@ -189,6 +191,19 @@ plain! {
 
 reals! {
     /// State of [`FirLowPass`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::FirLowPassSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.01);
+    /// let filter = FirLowPassSettings { length: 4.0, ..FirLowPassSettings::defaults(200.0, noise) }.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for value in [3.0, 7.0, f64::NAN] {
+    ///     filter.step(&mut state, Sample { value, dt: 0.005 });
+    /// }
+    /// assert_eq!(state.samples[..4], [4.0, 7.0, 3.0, 3.0]); // newest first; the output stood in for the one that was missing
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct FirLowPassState {
         /// Samples, newest first.
         pub samples: [T; CAPACITY],

@@ -14,6 +14,16 @@ use crate::settings::{Settings, Visit, visit_noise};
 /// - `printed`: the equations to the letter. It diverges by itself, also at rest, and says so in its flags.
 /// - `exact-jacobian`: alpha is estimated with the exact derivative; no fading.
 /// - `log-alpha`: the same for the logarithm of alpha.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::{FADING_GATES, MODES, MsImmIkfPaperSettings};
+/// use stillrate::{GyroNoise, Settings};
+/// let settings = MsImmIkfPaperSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+/// assert_eq!((MODES[settings.mode], FADING_GATES[settings.fading_gate]), ("paper", "second-model-while-moving"));
+/// let unsound = MsImmIkfPaperSettings { jacobian: 1, ..settings }; // exact, and alpha still private
+/// assert_eq!(unsound.build::<f64>().unwrap_err().field, "jacobian");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MsImmIkfPaperSettings {
     /// Nominal sample rate, Hz.

@@ -27,6 +27,19 @@ pub struct OnlineAr<T, const N: usize> {
 }
 
 /// State of [`OnlineAr`].
+///
+/// # Example
+/// ```
+/// use stillrate::filters::{OnlineAr, VectorRlsSettings};
+/// let fit = OnlineAr::<f64, 2>::new(VectorRlsSettings::default())?;
+/// let mut state = fit.start();
+/// for value in [1.0, f64::NAN, 3.0, 4.0] {
+///     fit.step(&mut state, value);
+/// }
+/// assert_eq!((state.past, state.run), ([4.0, 3.0], 2)); // the next sample is the first with two before it
+/// assert_eq!(state.rls.weights, [0.0; 2]);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnlineArState<T, const N: usize> {
     /// Coefficients (as weights) and their covariance.

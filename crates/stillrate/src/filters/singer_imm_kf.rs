@@ -17,6 +17,18 @@ use crate::sound;
 
 plain! {
     /// One Singer model of the pair.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{GyroNoise, Settings, filters::SingerImmKfSettings, models::SingerCoefficients};
+    /// let filter = SingerImmKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
+    /// let moving = filter.model[1];
+    /// let unit = SingerCoefficients::new(moving.alpha, 0.02);
+    /// let intensity = 2.0 * 0.01 * 30.0 * 30.0 / 3.0; // 2 alpha A_max^2 / 3
+    /// assert_eq!((moving.step.r, moving.step.s), (unit.r, unit.s));
+    /// assert!((moving.step.q22 / (intensity * unit.q22) - 1.0).abs() < 1e-15);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct SingerImmModel<T> {
         /// Reciprocal time constant, 1/s.
         pub alpha: T,
@@ -75,6 +87,21 @@ plain! {
 
 reals! {
     /// State of [`SingerImmKf`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SingerImmKfSettings};
+    /// let filter = SingerImmKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// let mut estimate = Default::default();
+    /// for value in [0.0, 0.1, -0.1] {
+    ///     estimate = filter.step(&mut state, Sample { value, dt: 0.02 });
+    /// }
+    /// let [rest, motion] = state.weight;
+    /// let mean = (rest * state.model[0].mean[0] + motion * state.model[1].mean[0]) / (rest + motion);
+    /// assert!((estimate.rate - mean).abs() < 1e-15);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct SingerImmKfState {
         /// Rate and acceleration of both models.
         pub model: [Gaussian2<T>; 2],

@@ -9,6 +9,17 @@ use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
 
 /// Settings of [`SingerImmKf`]: two of everything, rest first.
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::SingerImmKfSettings};
+/// let settings = SingerImmKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+/// let filter = settings.build::<f64>()?;
+/// assert_eq!(filter.leave, [0.05, 0.05]); // a model is kept for 20 samples on average
+/// let leaky = SingerImmKfSettings { transition: [0.95, 0.04, 0.05, 0.95], ..settings };
+/// assert_eq!(leaky.build::<f64>().unwrap_err().field, "transition");
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SingerImmKfSettings {
     /// Nominal sample rate, Hz.

@@ -98,7 +98,7 @@ impl<T: Real> OscillatorStep<T> {
     /// forgotten, no noise.
     #[must_use]
     #[inline(always)]
-    pub fn unless_forgotten(self, phase_known: bool) -> Self {
+    pub(crate) fn unless_forgotten(self, phase_known: bool) -> Self {
         let zero = T::ZERO;
         let forgetful = Self {
             from_rate: [T::ONE, zero, zero, zero],
@@ -131,19 +131,20 @@ impl<T: Real> OscillatorStep<T> {
 mod tests {
     use super::*;
 
+    fn transition(step: &OscillatorStep<f64>) -> nalgebra::Matrix4<f64> {
+        nalgebra::Matrix4::from_fn(|row, column| match column {
+            0 => step.from_rate[row],
+            1 => step.from_acceleration[row],
+            2 => step.response[row + 1],
+            _ => step.response[row],
+        })
+    }
+
     #[test]
     fn two_half_steps_make_a_whole_one() {
-        let matrix = |step: &OscillatorStep<f64>| {
-            nalgebra::SMatrix::<f64, 4, 4>::from_fn(|row, column| match column {
-                0 => step.from_rate[row],
-                1 => step.from_acceleration[row],
-                2 => step.response[row + 1],
-                _ => step.response[row],
-            })
-        };
         for omega in [1.2, 6.3, 30.0] {
-            let half = matrix(&OscillatorStep::new(omega, 0.01));
-            let whole = matrix(&OscillatorStep::new(omega, 0.02));
+            let half = transition(&OscillatorStep::new(omega, 0.01));
+            let whole = transition(&OscillatorStep::new(omega, 0.02));
             let scale = whole.abs().max();
             assert!((half * half - whole).abs().max() < 4e-15 * scale, "omega {omega}");
         }
@@ -161,13 +162,8 @@ mod tests {
         };
         let step = OscillatorStep::new(6.3, 0.01);
         let whole = unpack(&OscillatorStep::new(6.3, 0.02));
-        let transition = nalgebra::SMatrix::<f64, 4, 4>::from_fn(|row, column| match column {
-            0 => step.from_rate[row],
-            1 => step.from_acceleration[row],
-            2 => step.response[row + 1],
-            _ => step.response[row],
-        });
-        let sum = transition * unpack(&step) * transition.transpose() + unpack(&step);
+        let forward = transition(&step);
+        let sum = forward * unpack(&step) * forward.transpose() + unpack(&step);
         for (a, b) in sum.iter().zip(whole.iter()) {
             assert!((a - b).abs() < 3e-5 * 0.016 * 2.0 * b.abs(), "{a} {b}");
         }
