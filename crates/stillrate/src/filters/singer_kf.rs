@@ -3,7 +3,7 @@
 //! R. A. Singer, IEEE Trans. AES-6 (1970): state (rate, acceleration), acceleration as a Gauss-Markov process of variance
 //! sigma_m^2 = A_max^2 / 3 (uniform up to the largest acceleration) and time constant 1 / alpha.
 
-use super::singer_imm_kf_settings::{SingerFigures, driving_density};
+use super::singer_pair::{SingerFigures, driving_density};
 use crate::error::ConfigError;
 use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 use crate::gaussian::Gaussian2;
