@@ -162,9 +162,8 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
 
     #[inline(always)]
     fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        if lanes.len() < <Self::State as Reals<T>>::COUNT {
-            return;
-        }
+        // Without room for the state there is nothing to go on from: the samples are left alone.
+        let tile = if lanes.len() < <Self::State as Reals<T>>::COUNT { &mut [] } else { tile };
         let tempo = self.tempo(dt);
         let mut state: SingerImmKfState<Lane<T, W>> = block::load_wide(lanes);
         for row in tile {
