@@ -49,7 +49,7 @@ pub struct Estimate<T> {
     pub rate: T,
     /// Its time derivative, per second; 0 for filters that do not estimate it.
     pub acceleration: T,
-    /// Variance of the rate as the filter believes it; 0 for filters that have no opinion.
+    /// Variance of the rate as the filter believes it, in the input's unit squared; 0 for filters that have no opinion.
     pub variance: T,
     /// What happened to this sample.
     pub flags: Flags,
@@ -79,15 +79,15 @@ pub struct Estimate<T> {
 pub struct ModelTrace<T> {
     /// Posterior probability of the model.
     pub probability: T,
-    /// Innovation: measurement minus prediction. NaN when the sample was missing.
+    /// Innovation, in the unit of the input: measurement minus prediction. NaN when the sample was missing.
     pub innovation: T,
-    /// Innovation variance.
+    /// Innovation variance, in that unit squared.
     pub innovation_variance: T,
     /// Fading factor that was applied (1: none).
     pub fading: T,
     /// Reciprocal of the manoeuvre time constant, 1/s.
     pub alpha: T,
-    /// The model's own posterior rate.
+    /// The model's own posterior rate, in the unit of the input.
     pub rate: T,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Every filter, model and matrix kernel of the library is written once, against [`Real`]. The trait offers only
 //! operations whose result is fixed by IEEE 754 (add, subtract, multiply, divide, square root, compare) or by
-//! our own [`elementary`](crate::elementary) functions, so that a log gives the same bits on a desk, in a
+//! our own [`elementary`] functions, so that a log gives the same bits on a desk, in a
 //! browser and in firmware. There is deliberately no fused multiply-add.
 
 use core::fmt::{Debug, Display};
@@ -132,7 +132,7 @@ pub trait Real:
     /// e^x.
     #[must_use]
     fn exponential(self) -> Self;
-    /// 2^x, fast and limited to what weights need; see [`elementary`](crate::elementary).
+    /// 2^x, fast and limited to what weights need; see [`elementary`].
     #[must_use]
     fn doubling(self) -> Self;
     /// e^x - 1, accurate near zero.

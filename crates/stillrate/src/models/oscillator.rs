@@ -3,7 +3,7 @@
 //! (d^2/dt^2 + omega^2)^2 w = white noise, state (w, w', w'', w'''). The impulse responses of the four derivatives are
 //! h0 = (sin x - x cos x) / (2 omega^3), h1 = t sin x / (2 omega), h2 = (sin x + x cos x) / (2 omega),
 //! h3 = cos x - x sin x / 2 with x = omega t, and h_k = -2 omega^2 h_(k-2) - omega^4 h_(k-4) from there on. They give the transition
-//! F[r,:] = [h_(r+3) + 2 omega^2 h_(r+1), h_(r+2) + 2 omega^2 h_r, h_(r+1), h_r], and the process noise is the integral of
+//! whose row r is [h_(r+3) + 2 omega^2 h_(r+1), h_(r+2) + 2 omega^2 h_r, h_(r+1), h_r], and the process noise is the integral of
 //! h h' over the step, by four-point Gauss-Legendre quadrature (positive semidefinite by construction).
 
 use crate::gaussian::outer;
