@@ -197,6 +197,13 @@ reals! {
     }
 }
 
+impl<T: Real> RecursiveLeastSquaresState<T> {
+    /// Before the first sample.
+    pub(crate) fn start() -> Self {
+        Self { mean: LevelState::start(), line: LineState::start() }
+    }
+}
+
 impl<T: Real> RecursiveLeastSquares<T> {
     #[inline(always)]
     fn follow_line<const NOMINAL: bool, O: Observer<T>>(
@@ -225,7 +232,7 @@ impl<T: Real> Paced for RecursiveLeastSquares<T> {
     type State = RecursiveLeastSquaresState<T>;
 
     fn begin(&self) -> RecursiveLeastSquaresState<T> {
-        RecursiveLeastSquaresState { mean: LevelState::start(), line: LineState::start() }
+        RecursiveLeastSquaresState::start()
     }
 
     fn admits(&self, state: &RecursiveLeastSquaresState<T>) -> bool {

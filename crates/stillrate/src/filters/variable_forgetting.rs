@@ -8,8 +8,6 @@
 use crate::filter::{Checked, Estimate, Observer, Sample};
 use crate::filters::hmm_rls::RecursiveLeastSquaresState;
 use crate::filters::recursive::innovation::Innovation;
-use crate::filters::recursive::level::LevelState;
-use crate::filters::recursive::line::LineState;
 use crate::filters::recursive::paced::{Paced, step_paced};
 use crate::plain;
 use crate::real::Real;
@@ -163,8 +161,7 @@ impl<T: Real> Paced for VariableForgetting<T> {
     type State = VariableForgettingState<T>;
 
     fn begin(&self) -> VariableForgettingState<T> {
-        let sums = RecursiveLeastSquaresState { mean: LevelState::start(), line: LineState::start() };
-        VariableForgettingState { sums, gain: T::ONE, smoothed: T::ZERO }
+        VariableForgettingState { sums: RecursiveLeastSquaresState::start(), gain: T::ONE, smoothed: T::ZERO }
     }
 
     fn admits(&self, state: &VariableForgettingState<T>) -> bool {
@@ -193,11 +190,14 @@ impl<T: Real> Paced for VariableForgetting<T> {
     }
     #[inline(always)]
     fn follow_tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
-        // Once a tile, not once a sample: the order that is not in use then costs nothing.
+        // Once a tile, not once a sample: where the compiler knows the order, the one that is not in use costs nothing.
+        let mut filter = *self;
         if self.order == T::TWO {
-            step_paced(&Self { order: T::TWO, ..*self }, lanes, tile, dt);
+            filter.order = T::TWO;
+            step_paced(&filter, lanes, tile, dt);
         } else {
-            step_paced(&Self { order: T::ONE, ..*self }, lanes, tile, dt);
+            filter.order = T::ONE;
+            step_paced(&filter, lanes, tile, dt);
         }
     }
 }
