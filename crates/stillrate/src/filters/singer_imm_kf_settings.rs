@@ -1,6 +1,7 @@
 //! Settings of the two-model Singer bank.
 
-use super::singer_imm_kf::{SingerImmKf, SingerImmModel};
+use super::singer_imm_kf::SingerImmKf;
+use super::singer_imm_model::SingerImmModel;
 use super::singer_pair::{SingerPair, driving_density, probability_pair, transition_matrix};
 use crate::error::ConfigError;
 use crate::models::SingerCoefficients;
