@@ -181,14 +181,14 @@ fuzz_target!(|bytes: &[u8]| {
     let rate_hz = between(&mut input, 1.0, 10_000.0);
     let (variance, period) = (between(&mut input, 1e-8, 1e4), 1.0 / rate_hz);
     let mut imm = SingerImmKfSettings::defaults(rate_hz, GyroNoise::from_density_two_sided(0.015));
-    imm.alpha_per_s = [between(&mut input, 1e-4, 100.0), between(&mut input, 1e-4, 100.0)];
-    imm.accel_max_dps2 = [between(&mut input, 1e-3, 100.0), between(&mut input, 1.0, 1e5)];
+    imm.pair.alpha_per_s = [between(&mut input, 1e-4, 100.0), between(&mut input, 1e-4, 100.0)];
+    imm.pair.accel_max_dps2 = [between(&mut input, 1e-3, 100.0), between(&mut input, 1.0, 1e5)];
     let leave = [between(&mut input, 1e-6, 0.9), between(&mut input, 1e-6, 0.9)];
-    imm.transition = [1.0 - leave[0], leave[0], leave[1], 1.0 - leave[1]];
-    imm.measurement_variance = [variance; 2];
+    imm.pair.transition = [1.0 - leave[0], leave[0], leave[1], 1.0 - leave[1]];
+    imm.pair.measurement_variance = [variance; 2];
     let mut plain = SingerKfSettings::defaults(rate_hz, GyroNoise::from_density_two_sided(0.015));
-    plain.alpha_per_s = imm.alpha_per_s[1];
-    plain.accel_max_dps2 = imm.accel_max_dps2[1];
+    plain.alpha_per_s = imm.pair.alpha_per_s[1];
+    plain.accel_max_dps2 = imm.pair.accel_max_dps2[1];
     plain.measurement_variance = variance;
     let (bank, single) = (imm.build::<f64>().expect("in range"), plain.build::<f64>().expect("in range"));
     let (mut bank_state, mut single_state) = (bank.start(), single.start());
@@ -200,9 +200,9 @@ fuzz_target!(|bytes: &[u8]| {
         x: [0.0; 2],
         p: [[0.0; 2]; 2],
     };
-    let mut literal = [0, 1].map(|i| model(imm.alpha_per_s[i], imm.accel_max_dps2[i]));
+    let mut literal = [0, 1].map(|i| model(imm.pair.alpha_per_s[i], imm.pair.accel_max_dps2[i]));
     let mut alone = literal[1];
-    let pi = [[imm.transition[0], imm.transition[1]], [imm.transition[2], imm.transition[3]]];
+    let pi = [[imm.pair.transition[0], imm.pair.transition[1]], [imm.pair.transition[2], imm.pair.transition[3]]];
     // The first sample starts both.
     let start = Sample { value: f64::from(input.byte().cast_signed()) * variance.sqrt(), dt: period };
     bank.step(&mut bank_state, start);

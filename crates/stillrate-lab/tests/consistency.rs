@@ -113,9 +113,9 @@ fn a_singer_filter_that_believes_too_little_motion_fails_the_same_test() {
 #[test]
 fn singer_bank_predicts_the_right_distribution_on_its_own_motion() {
     let mut settings = SingerImmKfSettings::defaults(RATE_HZ, noise());
-    settings.alpha_per_s = [0.5, 2.0];
-    settings.accel_max_dps2 = [2.0, 60.0];
-    settings.transition = [0.98, 0.02, 0.04, 0.96];
+    settings.pair.alpha_per_s = [0.5, 2.0];
+    settings.pair.accel_max_dps2 = [2.0, 60.0];
+    settings.pair.transition = [0.98, 0.02, 0.04, 0.96];
     let filter = settings.build::<f64>().unwrap();
     let mut places = Vec::new();
     for run in 0..RUNS {
@@ -126,8 +126,8 @@ fn singer_bank_predicts_the_right_distribution_on_its_own_motion() {
         for _ in 0..SAMPLES {
             let leaves = normal_cdf(motion.random.normal()) < [0.02, 0.04][model];
             model = if leaves { 1 - model } else { model };
-            motion.step(settings.alpha_per_s[model], settings.accel_max_dps2[model]);
-            let sample = motion.measured(settings.measurement_variance[model]);
+            motion.step(settings.pair.alpha_per_s[model], settings.pair.accel_max_dps2[model]);
+            let sample = motion.measured(settings.pair.measurement_variance[model]);
             let [first, second] = state.weight.map(|weight| weight / (state.weight[0] + state.weight[1]));
             prior = [0.98 * first + 0.04 * second, 0.02 * first + 0.96 * second];
             filter.observe(&mut state, sample, &mut seen);
@@ -205,10 +205,10 @@ fn all_stay_definite<T: Real>(steps: u64) {
     let precise = if T::BYTES == 4 { 1e-2 } else { 1e-10 };
     for variance in [precise, 1e8] {
         let mut hard = SingerImmKfSettings::defaults(8000.0, noise());
-        hard.accel_max_dps2 = [1e-3, 1e6];
-        hard.alpha_per_s = [1e-3, 100.0];
-        hard.measurement_variance = [variance; 2];
-        hard.initial_acceleration_variance = [1e-6, 1e12];
+        hard.pair.accel_max_dps2 = [1e-3, 1e6];
+        hard.pair.alpha_per_s = [1e-3, 100.0];
+        hard.pair.measurement_variance = [variance; 2];
+        hard.pair.initial_acceleration_variance = [1e-6, 1e12];
         stays_definite::<_, T>(&hard, 8000.0, steps, |s| s.model.iter().all(definite2));
     }
     let bank = MsImmIkfSettings::defaults(1000.0, noise());

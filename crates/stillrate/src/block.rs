@@ -33,6 +33,18 @@ pub fn load<T: Real, S: Reals<T>, const W: usize>(lanes: &[[T; W]], c: usize) ->
 }
 
 /// Writes the state of channel `c` into channel-minor storage (rows that do not exist are passed over).
+///
+/// # Example
+/// ```
+/// use stillrate::{Filter, block::store, filters::Pt1};
+/// let filter = Pt1::<f64>::new(50.0, 8.0)?;
+/// let mut state = filter.start();
+/// state.level = 5.0;
+/// let mut lanes = [[0.0; 4]; 2];
+/// store(&state, &mut lanes, 1);
+/// assert_eq!(lanes, [[0.0, 5.0, 0.0, 0.0], [0.0; 4]]); // a row a number, a column a channel
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[inline(always)]
 pub fn store<T: Real, S: Reals<T>, const W: usize>(state: &S, lanes: &mut [[T; W]], c: usize) {
     let mut row = 0;

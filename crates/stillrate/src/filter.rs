@@ -4,6 +4,7 @@
 //! channels. Its [`Filter::State`] is plain data made of numbers only ([`Reals`]). A step takes the configuration, the state and one
 //! [`Sample`] and gives one [`Estimate`]; it cannot fail, allocate or panic, whatever the sample is.
 
+pub use crate::flags::Flags;
 use crate::real::Real;
 use crate::reals::Reals;
 
@@ -13,9 +14,9 @@ use crate::reals::Reals;
 ///
 /// # Example
 /// ```
-/// use stillrate::Sample;
+/// use stillrate::{Flags, Sample};
 /// let missing = Sample { value: f64::NAN, dt: 0.02 };
-/// assert!(missing.value.is_nan());
+/// assert_eq!(missing.check(1000.0, 0.02).flags, Flags::MISSING);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<T> {
@@ -26,6 +27,21 @@ pub struct Sample<T> {
 }
 
 /// What a step knows afterwards.
+///
+/// # Example
+/// ```
+/// use stillrate::{Estimate, Filter, Flags, GyroNoise, Sample, Settings, filters::RecursiveLeastSquaresSettings};
+/// let noise = GyroNoise::from_standard_deviation_at_rate(0.1, 200.0);
+/// let settings = RecursiveLeastSquaresSettings { order: 2.0, ..Settings::defaults(200.0, noise) };
+/// let filter = settings.build::<f64>()?;
+/// let (mut state, mut estimate) = (filter.start(), Estimate::default());
+/// for k in 0..400 {
+///     estimate = filter.step(&mut state, Sample { value: 0.05 * f64::from(k), dt: 0.005 });
+/// }
+/// assert!((estimate.acceleration - 10.0).abs() < 1e-9); // 0.05 deg/s in 5 ms, per second
+/// assert!(estimate.variance < 0.1 * 0.1 && estimate.flags == Flags::NONE);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct Estimate<T> {
@@ -33,82 +49,45 @@ pub struct Estimate<T> {
     pub rate: T,
     /// Its time derivative, per second; 0 for filters that do not estimate it.
     pub acceleration: T,
-    /// Variance of the rate as the filter believes it; 0 for filters that have no opinion.
+    /// Variance of the rate as the filter believes it, in the input's unit squared; 0 for filters that have no opinion.
     pub variance: T,
     /// What happened to this sample.
     pub flags: Flags,
 }
 
-/// What happened to a sample: a set of bits, zero when nothing did.
+/// What one model of a bank did at one sample; given to an [`Observer`].
 ///
 /// # Example
 /// ```
-/// use stillrate::Flags;
-/// let flags = Flags::MISSING.with(Flags::NO_DATA_YET);
-/// assert!(flags.has(Flags::MISSING) && !flags.has(Flags::DIVERGED));
+/// use stillrate::{Filter, GyroNoise, ModelTrace, Observer, Sample, Settings, filters::SingerImmKfSettings};
+/// struct Mean(f64);
+/// impl Observer<f64> for Mean {
+///     fn model(&mut self, _index: usize, trace: ModelTrace<f64>) {
+///         self.0 += trace.probability * trace.rate;
+///     }
+/// }
+/// let filter = SingerImmKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build()?;
+/// let mut state = filter.start();
+/// for value in [0.12, 0.09, 0.15] {
+///     let mut mean = Mean(0.0);
+///     let estimate = filter.observe(&mut state, Sample { value, dt: 0.02 }, &mut mean);
+///     assert!((estimate.rate - mean.0).abs() < 1e-15); // the fused rate is the mean over the models
+/// }
+/// # Ok::<(), stillrate::ConfigError>(())
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(transparent)]
-pub struct Flags(pub u32);
-
-impl Flags {
-    /// Nothing to report.
-    pub const NONE: Self = Self(0);
-    /// The sample was missing (NaN, infinite, masked): the filter coasted.
-    pub const MISSING: Self = Self(1);
-    /// No usable sample has been seen yet: the output is a finite placeholder.
-    pub const NO_DATA_YET: Self = Self(1 << 1);
-    /// The time step was zero (to [`SHORTEST_STEP`] of the nominal one), negative or not finite: the sample was not used and no time passed.
-    pub const BAD_TIME: Self = Self(1 << 2);
-    /// The gap before this sample was so long that the filter started anew from it.
-    pub const RESTARTED: Self = Self(1 << 3);
-    /// The sample stands at the sensor's rail; it was used as a one-sided bound.
-    pub const SATURATED: Self = Self(1 << 4);
-    /// The sample was so far out that the outlier model took most of it.
-    pub const OUTLIER: Self = Self(1 << 5);
-    /// The filter lost its own state (non-finite) and started anew.
-    pub const DIVERGED: Self = Self(1 << 6);
-    /// The value was finite but beyond any physical rate for this configuration: treated as missing.
-    pub const OUT_OF_RANGE: Self = Self(1 << 7);
-    /// A change detector fired at this sample.
-    pub const CHANGE: Self = Self(1 << 8);
-    /// An error curve was asked outside the range it was calibrated on: its value at the edge was used.
-    pub const EDGE_HELD: Self = Self(1 << 12);
-
-    /// Both sets together.
-    #[must_use]
-    #[inline(always)]
-    pub const fn with(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-    /// This set where `condition` holds, else none.
-    #[must_use]
-    #[inline(always)]
-    pub const fn when(self, condition: bool) -> Self {
-        Self(if condition { self.0 } else { 0 })
-    }
-    /// Whether every bit of `other` is set.
-    #[must_use]
-    #[inline(always)]
-    pub const fn has(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-}
-
-/// What one model of a bank did at one sample; given to an [`Observer`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelTrace<T> {
     /// Posterior probability of the model.
     pub probability: T,
-    /// Innovation: measurement minus prediction. NaN when the sample was missing.
+    /// Innovation, in the unit of the input: measurement minus prediction. NaN when the sample was missing.
     pub innovation: T,
-    /// Innovation variance.
+    /// Innovation variance, in that unit squared.
     pub innovation_variance: T,
     /// Fading factor that was applied (1: none).
     pub fading: T,
     /// Reciprocal of the manoeuvre time constant, 1/s.
     pub alpha: T,
-    /// The model's own posterior rate.
+    /// The model's own posterior rate, in the unit of the input.
     pub rate: T,
 }
 
@@ -116,17 +95,29 @@ pub struct ModelTrace<T> {
 ///
 /// # Example
 /// ```
-/// use stillrate::{Filter, GyroNoise, ModelTrace, Observer, Sample, Settings, filters::SingerImmKfSettings};
-/// struct Probabilities([f64; 2]);
-/// impl Observer<f64> for Probabilities {
-///     fn model(&mut self, index: usize, trace: ModelTrace<f64>) {
-///         self.0[index] = trace.probability;
+/// use stillrate::{Filter, GyroNoise, ModelTrace, Observer, Sample, Settings, filters::MsImmIkfSettings};
+/// #[derive(Default)]
+/// struct Watch {
+///     probability: f64,
+///     frequency_rad_s: f64,
+/// }
+/// impl Observer<f64> for Watch {
+///     fn model(&mut self, _index: usize, trace: ModelTrace<f64>) {
+///         self.probability += trace.probability;
+///     }
+///     fn frequency(&mut self, rad_s: f64) {
+///         self.frequency_rad_s = rad_s;
 ///     }
 /// }
-/// let filter = SingerImmKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build()?;
-/// let (mut state, mut seen) = (filter.start(), Probabilities([0.0; 2]));
-/// filter.observe(&mut state, Sample { value: 0.12, dt: 0.02 }, &mut seen);
-/// assert!((seen.0[0] + seen.0[1] - 1.0).abs() < 1e-15);
+/// let filter = MsImmIkfSettings::defaults(100.0, GyroNoise::from_density_two_sided(0.015)).build()?;
+/// let (mut state, mut seen) = (filter.start(), Watch::default());
+/// for k in 0..2000 {
+///     let value = 20.0 * (0.18 * f64::from(k)).sin(); // 18 rad/s
+///     seen = Watch::default();
+///     filter.observe(&mut state, Sample { value, dt: 0.01 }, &mut seen);
+/// }
+/// assert!((seen.frequency_rad_s - 18.0).abs() < 0.5);
+/// assert!((seen.probability - 1.0).abs() < 1e-12); // over all models
 /// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 pub trait Observer<T> {
@@ -145,10 +136,14 @@ impl<T> Observer<T> for () {}
 /// # Example
 /// ```
 /// use stillrate::{Filter, Sample, filters::Pt1};
-/// let filter = Pt1::<f64>::new(50.0, 8.0).unwrap();
+/// let filter = Pt1::<f64>::new(50.0, 8.0)?;
+/// assert_eq!((filter.period(), filter.models()), (0.02, 1));
 /// let mut state = filter.start();
 /// let estimate = filter.step(&mut state, Sample { value: 1.0, dt: 0.02 });
 /// assert_eq!(estimate.rate, 1.0); // the first sample starts the filter
+/// let (mut watched, next) = (state, Sample { value: 2.0, dt: 0.02 });
+/// assert_eq!(filter.observe(&mut watched, next, &mut ()), filter.step(&mut state, next));
+/// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 pub trait Filter<T: Real>: Copy + Send + Sync {
     /// Everything that changes from sample to sample: plain numbers.
@@ -200,6 +195,20 @@ pub trait Filter<T: Real>: Copy + Send + Sync {
     /// Filters a tile of samples of `W` channels in place: `tile[k][c]` is sample `k` of channel `c`.
     /// `lanes` is the channel-minor state (see [`block`](crate::block)); `dt` is the time step of every row.
     /// The result has the same bits as [`Filter::step`] on each channel.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, Sample, block::store, filters::Pt1};
+    /// let filter = Pt1::<f32>::new(1000.0, 20.0)?;
+    /// let mut lanes = [[0.0; 4]; 2]; // two numbers a state, four channels
+    /// (0..4).for_each(|c| store(&filter.start(), &mut lanes, c));
+    /// let mut tile = [[1.0, 2.0, 3.0, 4.0], [0.0; 4]];
+    /// filter.tile(&mut lanes, &mut tile, 0.001);
+    /// let mut alone = filter.start();
+    /// let last = [4.0, 0.0].map(|value| filter.step(&mut alone, Sample { value, dt: 0.001 }).rate)[1];
+    /// assert_eq!(tile[1][3], last);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     #[inline(always)]
     fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
         crate::block::step_rows(self, lanes, tile, dt);
@@ -213,6 +222,16 @@ pub const LONGEST_GAP_S: f64 = 10.0;
 pub const SHORTEST_STEP: f64 = 1e-6;
 
 /// A sample after the checks that every filter shares.
+///
+/// # Example
+/// ```
+/// use stillrate::{Flags, Sample};
+/// let late = Sample { value: 3.0, dt: 12.0 }.check(1000.0, 0.02);
+/// assert!(late.present && late.restart && late.flags == Flags::RESTARTED);
+/// let again = Sample { value: 3.0, dt: 0.0 }.check(1000.0, 0.02); // a repeated time stamp
+/// assert!(!again.present && !again.moves && again.dt == 0.02);
+/// assert_eq!(Sample { value: 1e9, dt: 0.02 }.check(1000.0, 0.02).flags, Flags::OUT_OF_RANGE);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Checked<T> {
     /// The measured value, 0 where it is not `present`.
@@ -230,6 +249,12 @@ pub struct Checked<T> {
 }
 
 impl<T: Real> Checked<T> {
+    /// The flags of a step that ends with `started` (1 or 0) and found a `sound` state or lost it.
+    #[inline(always)]
+    pub(crate) fn flags_after(&self, started: T, sound: bool) -> Flags {
+        self.flags.with(Flags::NO_DATA_YET.when(started == T::ZERO)).with(Flags::DIVERGED.when(!sound))
+    }
+
     /// Whether (1) or not (0) something is known when this sample arrives: after so long a gap nothing is until there is a value.
     #[inline(always)]
     pub(crate) fn known(&self, started: T) -> T {

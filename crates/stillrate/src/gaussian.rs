@@ -5,6 +5,20 @@ use crate::reals;
 
 reals! {
     /// Rate and acceleration.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SingerKfSettings, gaussian::Gaussian2};
+    /// let filter = SingerKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for value in [1.0, 1.2, 1.4] {
+    ///     filter.step(&mut state, Sample { value, dt: 0.02 });
+    /// }
+    /// let Gaussian2 { mean, covariance: [p00, p01, p11] } = state.model;
+    /// assert!(mean[1] > 0.0 && p01 > 0.0); // a rate that rises means an acceleration
+    /// assert!(p00 * p11 > p01 * p01);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct Gaussian2 {
         /// Mean.
         pub mean: [T; 2],
@@ -15,6 +29,18 @@ reals! {
 
 reals! {
     /// Rate, acceleration and the model's own parameter.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Settings, filters::MsImmIkfPaperSettings};
+    /// let settings = MsImmIkfPaperSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+    /// let filter = settings.build::<f64>()?;
+    /// let [_, moving] = filter.start().model;
+    /// assert_eq!(moving.mean, [0.0, 0.0, 0.01]); // rate, acceleration, alpha
+    /// let diagonal = [0, 3, 5].map(|k| moving.covariance[k]);
+    /// assert_eq!(diagonal[1..], [100.0, 1e-6]);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct Gaussian3 {
         /// Mean.
         pub mean: [T; 3],
@@ -25,6 +51,16 @@ reals! {
 
 reals! {
     /// Rate and its first three derivatives.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Settings, filters::MsImmIkfSettings, reals::Lanes};
+    /// let filter = MsImmIkfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
+    /// let oscillator = filter.start().oscillator[0].lane(0);
+    /// assert!([0, 4, 7, 9].iter().all(|&k| oscillator.covariance[k] > 0.0)); // the diagonal
+    /// assert!([1, 2, 3, 5, 6, 8].iter().all(|&k| oscillator.covariance[k] == 0.0)); // nothing is correlated at the start
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct Gaussian4 {
         /// Mean.
         pub mean: [T; 4],

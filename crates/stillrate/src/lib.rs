@@ -11,6 +11,11 @@
 //! assert_eq!(estimate.rate, 0.12);
 //! # Ok::<(), stillrate::ConfigError>(())
 //! ```
+//!
+//! * [`filters`]: the methods. Each is built from its [`settings`], whose values [`ranges`] bounds and [`noise`] scales.
+//! * [`filter`]: what they have in common; [`block`] runs many channels at once.
+//! * [`attitude`], [`gimbal`], [`correction`]: rotations and reference biases, the gimballed platform, the rate-table error curve.
+//! * [`real`], [`elementary`], [`mod@reals`], [`mod@plain`]: numbers, and values made of nothing else, for filters of your own.
 #![no_std]
 #![cfg_attr(feature = "core-sqrt", feature(core_float_math))]
 #![forbid(unsafe_code)]
@@ -26,6 +31,7 @@ pub mod elementary;
 pub mod error;
 pub mod filter;
 pub mod filters;
+mod flags;
 pub mod gaussian;
 pub mod gimbal;
 mod glide;
@@ -39,6 +45,11 @@ pub mod real;
 pub mod reals;
 pub mod settings;
 mod sound;
+
+/// The example that stands on the crate's own page runs too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 pub use error::ConfigError;
 pub use filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};

@@ -16,6 +16,22 @@ use crate::real::Real;
 /// let noise = GyroNoise::from_angle_random_walk_deg_sqrt_h(0.9).with_rate_random_walk(0.001);
 /// assert!((noise.density_dps_sqrt_hz - 0.015).abs() < 1e-15);
 /// ```
+///
+/// The same gyro in the units of other datasheets:
+/// ```
+/// use stillrate::GyroNoise;
+/// let two_sided = GyroNoise::from_density_two_sided(0.015);
+/// let one_sided = GyroNoise::from_density_one_sided(0.015 * 2.0_f64.sqrt());
+/// let scatter = GyroNoise::from_standard_deviation_at_rate(0.15, 100.0);
+/// for noise in [two_sided, one_sided, scatter] {
+///     assert!((noise.sample_variance(100.0) - 0.15 * 0.15).abs() < 1e-15);
+/// }
+/// let coarse = GyroNoise::from_resolution(0.6, 100.0);
+/// assert!((coarse.sample_variance(100.0) - 0.6 * 0.6 / 12.0).abs() < 1e-15);
+/// let drifting = two_sided.with_rate_random_walk(0.0).with_bias(0.01, 20.0);
+/// assert!((drifting.rate_random_walk_dps_sqrt_s - 1e-5_f64.sqrt()).abs() < 1e-15);
+/// assert!(drifting.checked().is_ok() && two_sided.with_bias(0.01, -20.0).checked().is_err());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GyroNoise {
     /// Two-sided density N of the white part, deg/s/sqrt(Hz) (= angle random walk, deg/sqrt(s)).
@@ -46,13 +62,13 @@ impl GyroNoise {
         Self::from_density_two_sided(angle_random_walk / 60.0)
     }
 
-    /// From the standard deviation of white samples at a rate.
+    /// From the standard deviation in deg/s of white samples at a rate in Hz.
     #[must_use]
     pub fn from_standard_deviation_at_rate(standard_deviation_dps: f64, sample_rate_hz: f64) -> Self {
         Self::from_density_two_sided(standard_deviation_dps / sample_rate_hz.root())
     }
 
-    /// From the resolution of a noiseless but quantised sensor: uniform rounding error of one LSB.
+    /// From the resolution in deg/s of a noiseless but quantised sensor at a rate in Hz: uniform rounding error of one LSB.
     #[must_use]
     pub fn from_resolution(lsb_dps: f64, sample_rate_hz: f64) -> Self {
         Self::from_density_two_sided(lsb_dps / (12.0 * sample_rate_hz).root())
@@ -65,7 +81,7 @@ impl GyroNoise {
         self
     }
 
-    /// Adds a bias instability described as a Gauss-Markov process: K^2 grows by 2 sigma^2 / tau.
+    /// Adds a bias instability described as a Gauss-Markov process of sigma in deg/s and tau in s: K^2 grows by 2 sigma^2 / tau.
     #[must_use]
     pub fn with_bias(mut self, bias_sigma_dps: f64, bias_time_s: f64) -> Self {
         let walk = self.rate_random_walk_dps_sqrt_s;
@@ -83,7 +99,7 @@ impl GyroNoise {
         Ok(self)
     }
 
-    /// Variance of a white sample at the given rate, (deg/s)^2.
+    /// Variance of a white sample at a rate in Hz, (deg/s)^2.
     #[must_use]
     pub fn sample_variance(self, sample_rate_hz: f64) -> f64 {
         self.density_dps_sqrt_hz * self.density_dps_sqrt_hz * sample_rate_hz

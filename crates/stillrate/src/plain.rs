@@ -7,6 +7,39 @@
 use crate::reals::Lane;
 
 /// Is told what a plain value consists of, field by field.
+///
+/// # Example
+/// ```
+/// use stillrate::{Outline, Plain, filters::Pt1State};
+/// /// Writes a value as C does.
+/// struct Source(String);
+/// impl Outline for Source {
+///     fn number(&mut self, value: f64) {
+///         self.0 += &format!("{value:?}");
+///     }
+///     fn count(&mut self, value: u32) {
+///         self.0 += &format!("{value}u");
+///     }
+///     fn array(&mut self, length: usize) {
+///         self.0 += &format!("[{length}] = {{");
+///     }
+///     fn end_array(&mut self) {
+///         self.0 += "}";
+///     }
+///     fn open(&mut self, name: &'static str, _about: &[&'static str]) {
+///         self.0 += &format!("({name}){{ ");
+///     }
+///     fn field(&mut self, name: &'static str, _about: &[&'static str]) {
+///         self.0 += &format!(", .{name} = ");
+///     }
+///     fn close(&mut self) {
+///         self.0 += " }";
+///     }
+/// }
+/// let mut source = Source(String::new());
+/// Pt1State { level: 0.5, started: 1.0 }.outline(&mut source);
+/// assert_eq!(source.0.replace("{ , ", "{ "), "(Pt1State){ .level = 0.5, .started = 1.0 }");
+/// ```
 pub trait Outline {
     /// A floating-point number.
     fn number(&mut self, value: f64);
@@ -90,6 +123,22 @@ impl<T: Plain> Plain for Lane<T, 1> {
 }
 
 /// Declares a configuration struct generic over its number type and implements [`Plain`] for it.
+///
+/// # Example
+/// ```
+/// use stillrate::plain;
+/// plain! {
+///     /// When to raise an alarm.
+///     pub struct Alarm<T> {
+///         /// Rate, deg/s.
+///         pub threshold: T,
+///         /// Samples in a row.
+///         pub samples: u32,
+///     }
+/// }
+/// let alarm = Alarm { threshold: 300.0_f32, samples: 5 };
+/// assert_eq!(size_of_val(&alarm), 8); // what C holds: a float and a uint32_t
+/// ```
 #[macro_export]
 macro_rules! plain {
     ($(#[doc = $about:literal])* $vis:vis struct $name:ident<T> { $($(#[doc = $field_about:literal])* pub $field:ident : $type:ty),+ $(,)? }) => {

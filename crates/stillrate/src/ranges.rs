@@ -10,8 +10,7 @@
 //! * [`LARGEST_JITTER_DPS2`]: an 8 kHz gyro with a thousand times the noise of a poor one has 1e7;
 //! * [`LARGEST_SWING_DPS`]: what the acceleration builds up to within its own time constant, 2.8 million turns a second.
 //!
-//! [`check`] holds every setting of a method against the table [`range_of`]; what depends on two settings is checked where
-//! a filter is built.
+//! Where a filter is built, every setting is held against the table [`range_of`], and then what depends on two of them against both.
 
 use crate::error::ConfigError;
 use crate::real::Real;
@@ -190,7 +189,7 @@ pub const LARGEST_JITTER_DPS2: f64 = 1e9;
 ///
 /// # Errors
 /// [`ConfigError`] that names the first one outside its range.
-pub fn check<S: Settings>(settings: &S) -> Result<(), ConfigError> {
+pub(crate) fn check<S: Settings>(settings: &S) -> Result<(), ConfigError> {
     struct Checker {
         method: &'static str,
         rate_hz: f64,

@@ -2,7 +2,7 @@
 //!
 //! Every filter, model and matrix kernel of the library is written once, against [`Real`]. The trait offers only
 //! operations whose result is fixed by IEEE 754 (add, subtract, multiply, divide, square root, compare) or by
-//! our own [`elementary`](crate::elementary) functions, so that a log gives the same bits on a desk, in a
+//! our own [`elementary`] functions, so that a log gives the same bits on a desk, in a
 //! browser and in firmware. There is deliberately no fused multiply-add.
 
 use core::fmt::{Debug, Display};
@@ -20,6 +20,28 @@ use crate::elementary;
 /// }
 /// assert_eq!(hypotenuse(3.0_f32, 4.0), 5.0);
 /// assert_eq!(hypotenuse(3.0_f64, 4.0), 5.0);
+/// ```
+///
+/// What cannot be computed has a fixed answer, so that a step needs no branch:
+/// ```
+/// use stillrate::Real;
+/// fn cleaned<T: Real>(x: T) -> T {
+///     T::select(x.finite(), x, T::ZERO).limited(T::of(-2.0), T::TWO).flushed()
+/// }
+/// assert_eq!([f64::NAN, -7.0, 1e-300].map(cleaned), [0.0, -2.0, 0.0]);
+/// assert_eq!((f64::NAN.least(1.0), f64::NAN.most(1.0), (-1.0_f64).magnitude()), (1.0, 1.0, 1.0));
+/// assert_eq!(f32::of(0.1).widen(), 0.10000000149011612);
+/// assert_eq!(f32::from_little_endian(1.5_f32.to_little_endian()), 1.5);
+/// ```
+///
+/// The functions take and give what their names say, in radians and to the base e but for one:
+/// ```
+/// use stillrate::Real;
+/// let (sine, cosine) = 0.3_f64.sine_cosine();
+/// assert!((sine.angle_over(cosine) - 0.3).abs() < 1e-15);
+/// assert!((2.0_f64.exponential().logarithm() - 2.0).abs() < 1e-15);
+/// assert_eq!(1e-20_f64.exponential_less_one(), 1e-20); // e^x less 1 would be 0
+/// assert_eq!((3.0_f32.doubling(), 30.0_f32.tangent_hyperbolic()), (8.0, 1.0));
 /// ```
 pub trait Real:
     Copy
@@ -110,7 +132,7 @@ pub trait Real:
     /// e^x.
     #[must_use]
     fn exponential(self) -> Self;
-    /// 2^x, fast and limited to what weights need; see [`elementary`](crate::elementary).
+    /// 2^x, fast and limited to what weights need; see [`elementary`].
     #[must_use]
     fn doubling(self) -> Self;
     /// e^x - 1, accurate near zero.

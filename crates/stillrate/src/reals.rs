@@ -43,6 +43,15 @@ impl<T: Real> Reals<T> for T {
 }
 
 /// The same number of `W` channels, side by side.
+///
+/// # Example
+/// ```
+/// use stillrate::{Lane, Reals, filters::Pt1State};
+/// let both = Pt1State { level: Lane([1.0, 2.0]), started: Lane([1.0, 0.0]) };
+/// let mut levels = Vec::new();
+/// both.scatter(&mut |lane: Lane<f64, 2>| levels.push(lane.0));
+/// assert_eq!(levels, [[1.0, 2.0], [1.0, 0.0]]); // channel-minor: number by number, channels side by side
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(transparent)]
 pub struct Lane<T, const W: usize>(pub [T; W]);
@@ -91,6 +100,15 @@ impl<T: Copy, U: Reals<T>, const N: usize> Reals<T> for [U; N] {
 }
 
 /// Data of many channels side by side, from which the data of one channel can be taken and put back.
+///
+/// # Example
+/// ```
+/// use stillrate::{Lane, filters::Pt1State, reals::Lanes};
+/// let mut both = Pt1State { level: Lane([1.0, 2.0]), started: Lane([1.0, 0.0]) };
+/// assert_eq!(both.lane(1), Pt1State { level: 2.0, started: 0.0 });
+/// both.set_lane(1, Pt1State { level: -3.0, started: 1.0 });
+/// assert_eq!(both.level, Lane([1.0, -3.0]));
+/// ```
 pub trait Lanes {
     /// The data of one channel.
     type Narrow: Copy;

@@ -44,8 +44,19 @@ pub trait Visit {
 ///
 /// # Example
 /// ```
-/// use stillrate::{Filter, GyroNoise, Settings, filters::Pt1Settings};
-/// let settings = Pt1Settings::defaults(1000.0, GyroNoise::from_density_two_sided(0.01));
+/// use stillrate::{Filter, GyroNoise, Settings, filters::Pt1Settings, settings::Visit};
+/// /// Changes a setting by its name.
+/// struct Set(&'static str, f64);
+/// impl Visit for Set {
+///     fn number(&mut self, name: &'static str, value: &mut f64) {
+///         *value = if name == self.0 { self.1 } else { *value };
+///     }
+///     fn list(&mut self, _: &'static str, _: &mut [f64], _: &mut usize) {}
+///     fn choice(&mut self, _: &'static str, _: &'static [&'static str], _: &mut usize) {}
+/// }
+/// let mut settings = Pt1Settings::defaults(1000.0, GyroNoise::from_density_two_sided(0.01));
+/// settings.visit(&mut Set("cutoff_hz", 50.0));
+/// assert_eq!(settings.cutoff_hz, 50.0);
 /// let filter = settings.build::<f32>()?;
 /// assert_eq!(filter.period(), 0.001);
 /// # Ok::<(), stillrate::ConfigError>(())
@@ -67,7 +78,7 @@ pub trait Settings: Clone + core::fmt::Debug + Send + Sync + 'static {
 }
 
 /// Hands the two figures of a [`GyroNoise`] to a visitor.
-pub fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
+pub(crate) fn visit_noise<V: Visit>(visitor: &mut V, noise: &mut GyroNoise) {
     visitor.number("noise.density_dps_sqrt_hz", &mut noise.density_dps_sqrt_hz);
     visitor.number("noise.rate_random_walk_dps_sqrt_s", &mut noise.rate_random_walk_dps_sqrt_s);
 }

@@ -129,6 +129,22 @@ fn fading_acts_where_its_form_source_and_gate_let_it() {
 }
 
 #[test]
+fn a_missing_sample_has_no_innovation_to_fade_by() {
+    let defaults = MsImmIkfPaperSettings::defaults(RATE_HZ, noise());
+    let settings = MsImmIkfPaperSettings { fading: 2, fading_source: 2, fading_scale: 1.0, ..defaults };
+    let filter = settings.build::<f64>().unwrap();
+    let mut state = filter.start();
+    for k in 0..200 {
+        filter.step(&mut state, Sample { value: 40.0 + jitter(k), dt: 0.01 });
+    }
+    let before = state.window;
+    for _ in 0..20 {
+        filter.step(&mut state, Sample { value: f64::NAN, dt: 0.01 });
+    }
+    assert_eq!(state.window, before);
+}
+
+#[test]
 fn alpha_is_estimated_only_with_the_exact_derivative() {
     let start = [0.001, 0.01];
     let (_, printed) = faded(&MsImmIkfPaperSettings { fading: 0, ..MsImmIkfPaperSettings::defaults(RATE_HZ, noise()) });

@@ -46,9 +46,11 @@ fn numbers_survive_as_little_endian_bytes() {
 #[test]
 fn a_block_without_room_for_the_state_leaves_everything_alone() {
     let filter = Pt1::<f64>::new(50.0, 8.0).unwrap();
+    let bank = SingerImmKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>().unwrap();
     let (mut lanes, mut tile) = ([[7.0; 4]; 1], [[1.0; 4]]);
     block::step_rows(&filter, &mut lanes, &mut tile, 0.02);
     filter.tile(&mut lanes, &mut tile, 0.02);
+    bank.tile(&mut lanes, &mut tile, 0.02);
     assert_eq!((lanes, tile), ([[7.0; 4]; 1], [[1.0; 4]]));
     // A channel beyond the width reads as nothing seen yet.
     assert_eq!(block::load::<f64, [f64; 1], 4>(&lanes, 9), [0.0]);
@@ -73,6 +75,15 @@ fn an_on_line_autoregressive_fit_waits_for_samples_in_a_row() {
     }
     assert_eq!(state.rls.weights, known, "nothing is learnt across a gap");
     assert!(OnlineAr::<f64, 2>::new(VectorRlsSettings { forgetting_factor: 0.0, ..Default::default() }).is_err());
+}
+
+#[test]
+fn a_fit_of_order_nought_predicts_nothing_and_does_not_panic() {
+    let fit = OnlineAr::<f64, 0>::new(VectorRlsSettings::default()).unwrap();
+    let mut state = fit.start();
+    for value in [1.0, 2.0] {
+        assert_eq!(fit.step(&mut state, value).innovation, value);
+    }
 }
 
 #[test]

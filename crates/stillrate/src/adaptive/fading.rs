@@ -9,8 +9,8 @@
 use crate::real::Real;
 
 /// Where Delta comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FadingSource {
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FadingSource {
     /// The measurement itself, as printed.
     Measurement,
     /// The innovation.
@@ -20,14 +20,37 @@ pub enum FadingSource {
 }
 
 /// Whether the sign of C counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FadingForm {
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FadingForm {
     /// No fading at all.
     None,
     /// |C|, as printed.
     Absolute,
     /// C.
     Signed,
+}
+
+/// When the fading factor acts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FadingGate {
+    /// At every sample.
+    Always,
+    /// Not while rest is declared.
+    WhileMoving,
+    /// Not while rest is declared, and only in the second model.
+    SecondModelWhileMoving,
+}
+
+impl FadingGate {
+    /// Whether model `i` fades.
+    #[inline(always)]
+    pub(crate) fn opens(self, at_rest: bool, i: usize) -> bool {
+        match self {
+            Self::Always => true,
+            Self::WhileMoving => !at_rest,
+            Self::SecondModelWhileMoving => !at_rest && i == 1,
+        }
+    }
 }
 
 /// The fading factor for Delta = `delta`, unfaded rate variance `b11`, process noise `q11` and (softened) measurement variance `r`.

@@ -9,6 +9,20 @@ use crate::reals;
 
 reals! {
     /// Moments of the fused motion, in periods.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::MsImmIkfSettings, reals::Lanes};
+    /// let filter = MsImmIkfSettings::defaults(100.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for k in 0..2000 {
+    ///     filter.step(&mut state, Sample { value: 20.0 * (0.18 * f64::from(k)).sin(), dt: 0.01 });
+    /// }
+    /// let motion = state.motion.lane(0);
+    /// assert!((motion.angle - 0.18).abs() < 0.005); // 18 rad/s at 100 Hz
+    /// assert!((motion.rate_square / (20.0 * 20.0 / 2.0) - 1.0).abs() < 0.1);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct MotionMoments {
         /// Slow mean of the rate.
         pub mean_rate: T,
@@ -25,6 +39,16 @@ reals! {
 
 plain! {
     /// How the moments follow, in periods.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{GyroNoise, Settings, filters::MsImmIkfSettings};
+    /// let settings = MsImmIkfSettings { frequency_memory_s: 5.0, ..Settings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)) };
+    /// let memory = settings.build::<f64>()?.memory;
+    /// assert_eq!(memory.frequency_periods, 250.0);
+    /// assert_eq!(memory.angle_max, core::f64::consts::FRAC_PI_2); // a quarter of the sample rate
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct FrequencyMemory<T> {
         /// Memory of the frequency.
         pub frequency_periods: T,

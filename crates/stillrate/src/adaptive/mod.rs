@@ -1,3 +1,3 @@
 //! What adapts on line: manoeuvre frequency, fading factors.
-pub mod fading;
+pub(crate) mod fading;
 pub mod manoeuvre_frequency;

@@ -7,70 +7,16 @@
 //! criterion picks p = 1 with phi = 0.0004, and R = 0.768 Q reproduces its noise reduction of 1.77. That filter is
 //! output = K z with K = 0.566: it attenuates true motion exactly as much as noise. It is there to be compared with.
 
-use crate::error::ConfigError;
-use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
-use crate::noise::{GyroNoise, range};
+use crate::filter::{Estimate, Filter, Observer, Sample};
 use crate::plain;
-use crate::ranges;
 use crate::real::Real;
 use crate::reals;
-use crate::settings::{Settings, Visit};
 use crate::sound;
 
 /// Highest order of [`ArKf`].
 pub const HIGHEST_ORDER: usize = 8;
-/// phi of the published comparison.
-const PUBLISHED_COEFFICIENT: f64 = 0.0004;
-/// R / Q that reproduces it.
-const PUBLISHED_RATIO: f64 = 0.768;
 /// Sample periods that a gap is predicted over at most; a stationary model has little left to say by then.
 const LONGEST_PREDICTION: usize = 64;
-
-/// Settings of [`ArKf`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct ArKfSettings {
-    /// Nominal sample rate, Hz: the rate the coefficients belong to.
-    pub sample_rate_hz: f64,
-    /// phi_1, phi_2, ...; those in use come first.
-    pub coefficients: [f64; HIGHEST_ORDER],
-    /// How many coefficients are in use.
-    pub order: usize,
-    /// Variance Q of the driving noise, (deg/s)^2.
-    pub process_variance_dps2: f64,
-    /// Variance R of the measurement noise, (deg/s)^2.
-    pub measurement_variance_dps2: f64,
-}
-
-impl Settings for ArKfSettings {
-    const METHOD: &'static str = "ar-kf";
-    type Filter<T: Real> = ArKf<T>;
-
-    /// The published AR(1), see the module; Q + R is the variance of the raw samples at rest.
-    fn defaults(sample_rate_hz: f64, noise: GyroNoise) -> Self {
-        let raw = noise.density_dps_sqrt_hz * noise.density_dps_sqrt_hz * sample_rate_hz;
-        let process = raw / (1.0 + PUBLISHED_RATIO);
-        let mut coefficients = [0.0; HIGHEST_ORDER];
-        coefficients[0] = PUBLISHED_COEFFICIENT;
-        Self {
-            sample_rate_hz,
-            coefficients,
-            order: 1,
-            process_variance_dps2: process,
-            measurement_variance_dps2: PUBLISHED_RATIO * process,
-        }
-    }
-
-    fn visit<V: Visit>(&mut self, visitor: &mut V) {
-        visitor.number("sample_rate_hz", &mut self.sample_rate_hz);
-        visitor.list("coefficients", &mut self.coefficients, &mut self.order);
-        visitor.number("process_variance_dps2", &mut self.process_variance_dps2);
-        visitor.number("measurement_variance_dps2", &mut self.measurement_variance_dps2);
-    }
-
-    fn build<T: Real>(&self) -> Result<ArKf<T>, ConfigError> {
-        ArKf::new(self)
-    }
-}
 
 plain! {
     /// Kalman filter on a stationary autoregressive model of order 1 to 8; the first sample starts it.
@@ -105,6 +51,22 @@ plain! {
 
 reals! {
     /// State of [`ArKf`], in units of the measurement standard deviation.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::ArKfSettings};
+    /// let mut settings = ArKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+    /// settings.coefficients[0] = 0.9;
+    /// let filter = settings.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// filter.step(&mut state, Sample { value: 1.0, dt: 0.02 });
+    /// let known = state;
+    /// for _ in 0..10 {
+    ///     filter.step(&mut state, Sample { value: f64::NAN, dt: 0.02 });
+    /// }
+    /// assert!((state.lags[0] / known.lags[0] - 0.9_f64.powi(10)).abs() < 1e-12); // back to the mean, phi a period
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct ArKfState {
         /// x_k, x_(k-1), ...
         pub lags: [T; HIGHEST_ORDER],
@@ -115,79 +77,7 @@ reals! {
     }
 }
 
-/// Variance of the signal over that of its driving noise, by Levinson's recursion run backwards: the product of 1 / (1 - k^2) over the
-/// reflections k. `None` where one of them is not inside the unit circle: then a root is not either, and the model not stationary.
-fn power_gain(coefficients: &[f64]) -> Option<f64> {
-    let mut gain = 1.0;
-    let mut left = [0.0; HIGHEST_ORDER];
-    for (copy, &coefficient) in left.iter_mut().zip(coefficients) {
-        *copy = coefficient;
-    }
-    for order in (1..=coefficients.len().min(HIGHEST_ORDER)).rev() {
-        let reflection = left[order - 1];
-        let inside = reflection.magnitude() < 1.0;
-        if !inside {
-            return None;
-        }
-        gain /= 1.0 - reflection * reflection;
-        let before = left;
-        for i in 0..order - 1 {
-            left[i] = (before[i] + reflection * before[order - 2 - i]) / (1.0 - reflection * reflection);
-        }
-    }
-    Some(gain)
-}
-
-/// Variance of the signal over that of the driving noise at most: memories of a million samples, far from where rounding makes a model
-/// unstable.
-const LARGEST_POWER_GAIN: f64 = 1e6;
-
 impl<T: Real> ArKf<T> {
-    /// Filter from its settings.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if the order is not 1 to 8, the model not stationary, a variance out of its [range](crate::ranges), or the
-    /// signal so large beside the measurement noise that the precision cannot hold both.
-    pub fn new(settings: &ArKfSettings) -> Result<Self, ConfigError> {
-        ranges::check(settings)?;
-        let period = 1.0 / settings.sample_rate_hz;
-        let used = match settings.coefficients.get(..settings.order) {
-            Some(used) if !used.is_empty() => used,
-            _ => return Err(ConfigError::new("coefficients", settings.order as f64, "values", "a list of 1 to 8")),
-        };
-        let first = settings.coefficients[0];
-        let Some(gain) = power_gain(used) else {
-            let range = "the first coefficient of a stationary model (all roots inside the unit circle)";
-            return Err(ConfigError::new("coefficients", first, "", range));
-        };
-        if gain > LARGEST_POWER_GAIN {
-            let range = "the first coefficient of a model whose signal has at most 1e6 times the driving variance";
-            return Err(ConfigError::new("coefficients", first, "", range));
-        }
-        let (process, measurement) = (settings.process_variance_dps2, settings.measurement_variance_dps2);
-        if process < 1e-12 * measurement {
-            let range = "at least 1e-12 times measurement_variance_dps2, in";
-            return Err(ConfigError::new("process_variance_dps2", process, "(deg/s)^2", range));
-        }
-        // An update leaves the measurement variance of a signal variance: beyond, nothing but rounding errors.
-        if gain * process / measurement > 1.0 / T::EPSILON.widen() {
-            let range = "so small that the signal has at most 8e6 times measurement_variance_dps2 (f64: 4e15), in";
-            return Err(ConfigError::new("process_variance_dps2", process, "(deg/s)^2", range));
-        }
-        let unit = measurement.root();
-        let mut coefficients = [T::ZERO; HIGHEST_ORDER];
-        for (mine, &given) in coefficients.iter_mut().zip(used) {
-            *mine = T::of(given);
-        }
-        Ok(Self {
-            period_s: T::of(period),
-            coefficients,
-            drive: T::of(process / measurement),
-            unit: T::of(unit),
-            limit: range(unit),
-        })
-    }
-
     /// Lags and covariance one sample period later: everything moves down a place, the first row is the model's.
     #[inline(always)]
     fn predict(&self, state: &ArKfState<T>) -> ArKfState<T> {
@@ -312,10 +202,7 @@ impl<T: Real> Filter<T> for ArKf<T> {
             rate: state.lags[0] * self.unit,
             acceleration: T::ZERO,
             variance: state.covariance[0][0] * self.unit * self.unit,
-            flags: checked
-                .flags
-                .with(Flags::NO_DATA_YET.when(state.started == T::ZERO))
-                .with(Flags::DIVERGED.when(!sound)),
+            flags: checked.flags_after(state.started, sound),
         }
     }
 }

@@ -7,7 +7,7 @@
 //! meaning when the time step changes.
 
 use crate::error::{ConfigError, between};
-use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::filter::{Estimate, Filter, Observer, Sample};
 use crate::glide::{self, Glide};
 use crate::noise::{GyroNoise, RANGE};
 use crate::plain;
@@ -19,6 +19,15 @@ use crate::settings::{Settings, Visit};
 use crate::sound;
 
 /// Settings of [`Biquad`].
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::BiquadSettings};
+/// let settings = BiquadSettings::defaults(1000.0, GyroNoise::from_density_two_sided(0.01));
+/// assert_eq!(settings.quality, 0.5_f64.sqrt()); // Butterworth: -3 dB at the cut-off
+/// let refusal = BiquadSettings { cutoff_hz: 480.0, ..settings }.build::<f64>().unwrap_err();
+/// assert_eq!(refusal.to_string(), "cutoff_hz = 480 (must be above 0 and below 0.477 of sample_rate_hz in Hz)");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BiquadSettings {
     /// Nominal sample rate, Hz.
@@ -78,6 +87,18 @@ plain! {
 
 reals! {
     /// State of [`Biquad`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, Sample, filters::Biquad};
+    /// let filter = Biquad::<f64>::new(1000.0, 20.0, 0.7)?;
+    /// let mut state = filter.start();
+    /// filter.step(&mut state, Sample { value: 3.0, dt: 0.001 });
+    /// assert_eq!((state.slope, state.level, state.output), (0.0, 3.0, 3.0)); // at rest in its first sample
+    /// filter.step(&mut state, Sample { value: 4.0, dt: 0.001 });
+    /// assert!(state.slope > 0.0 && state.output < state.level); // the output stands halfway between two levels
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct BiquadState {
         /// First integrator (band-pass).
         pub slope: T,
@@ -115,7 +136,7 @@ impl<T: Real> Biquad<T> {
     /// Low-pass for samples at `sample_rate_hz`; at `cutoff_hz` the gain is `quality`.
     ///
     /// # Errors
-    /// [`ConfigError`] if the cut-off is not between 0 and half the sample rate or the quality not in 0.05..=100.
+    /// [`ConfigError`] if the cut-off is not above 0 and below 0.477 of the sample rate or the quality not in 0.05..=100.
     pub fn new(sample_rate_hz: f64, cutoff_hz: f64, quality: f64) -> Result<Self, ConfigError> {
         ranges::check(&BiquadSettings { sample_rate_hz, cutoff_hz, quality })?;
         let period = 1.0 / sample_rate_hz;
@@ -180,10 +201,7 @@ impl<T: Real> Filter<T> for Biquad<T> {
             rate: state.output,
             acceleration: T::ZERO,
             variance: T::ZERO,
-            flags: checked
-                .flags
-                .with(Flags::NO_DATA_YET.when(state.started == T::ZERO))
-                .with(Flags::DIVERGED.when(!sound)),
+            flags: checked.flags_after(state.started, sound),
         }
     }
 }

@@ -22,6 +22,16 @@ use crate::sound;
 const DEFAULT_FORGETTING_FACTOR: f64 = 0.951;
 
 /// Settings of [`CusumForgetting`].
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::CusumForgettingSettings};
+/// let noise = GyroNoise::from_standard_deviation_at_rate(0.05, 200.0);
+/// let settings = CusumForgettingSettings::defaults(200.0, noise);
+/// assert!((settings.tau_s * 200.0 - 19.9).abs() < 0.01); // samples
+/// let torn = CusumForgettingSettings { tau_s: 1.0, ..settings }; // and still 0.951 a sample
+/// assert_eq!(torn.build::<f64>().unwrap_err().field, "forgetting_factor");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CusumForgettingSettings {
     /// Nominal sample rate, Hz.
@@ -117,6 +127,22 @@ plain! {
 
 reals! {
     /// State of [`CusumForgetting`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::CusumForgettingSettings};
+    /// let noise = GyroNoise::from_standard_deviation_at_rate(0.05, 200.0);
+    /// let filter = CusumForgettingSettings::defaults(200.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for k in 0..100 {
+    ///     filter.step(&mut state, Sample { value: 0.0, dt: 0.005 });
+    /// }
+    /// assert!(state.mean.weight > 15.0);
+    /// filter.step(&mut state, Sample { value: 5.0, dt: 0.005 });
+    /// assert_eq!((state.mean.weight, state.gain), (1.33, 1.0 / 1.33)); // all but so many samples are forgotten
+    /// assert_eq!((state.upward, state.downward), (0.0, 0.0));
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct CusumForgettingState {
         /// The weighted mean.
         pub mean: LevelState<T>,

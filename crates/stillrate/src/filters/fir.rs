@@ -27,6 +27,8 @@ pub const CAPACITY: usize = 128;
 const LANES: usize = 8;
 /// Samples that are filtered between two visits to the register.
 const SPAN: usize = 64;
+/// Sum of the taps of a window below which they are nothing but zeros and their rounding errors.
+const SMALLEST_SUM: f64 = 1e-9;
 /// Windows by name.
 pub const WINDOWS: [&str; 4] = ["boxcar", "hann", "hamming", "blackman"];
 /// What the register holds before the first sample.
@@ -39,7 +41,9 @@ pub const STARTS: [&str; 2] = ["first-sample", "zero"];
 /// use stillrate::{GyroNoise, Settings, filters::FirLowPassSettings};
 /// let settings = FirLowPassSettings::defaults(200.0, GyroNoise::from_density_two_sided(0.01));
 /// assert_eq!(settings.length, 40.0); // the noise and the delay of RLS at its default memory of 0.1 s
-/// assert!(settings.build::<f32>().is_ok());
+/// let (taps, count) = settings.designed()?;
+/// assert_eq!((taps[39], taps[40], count), (1.0 / 40.0, 0.0, 40));
+/// # Ok::<(), stillrate::ConfigError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirLowPassSettings {
@@ -129,7 +133,7 @@ impl FirLowPassSettings {
             if k < count { ideal * window(self.window, k as f64, length) } else { 0.0 }
         });
         let sum: f64 = raw.iter().sum();
-        if sum == 0.0 {
+        if sum.magnitude() < SMALLEST_SUM {
             return Err(ConfigError::new("length", length, "taps", "at least 3 for this window"));
         }
         Ok((raw.map(|tap| tap / sum), count))
@@ -190,6 +194,19 @@ plain! {
 
 reals! {
     /// State of [`FirLowPass`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::FirLowPassSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.01);
+    /// let filter = FirLowPassSettings { length: 4.0, ..FirLowPassSettings::defaults(200.0, noise) }.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for value in [3.0, 7.0, f64::NAN] {
+    ///     filter.step(&mut state, Sample { value, dt: 0.005 });
+    /// }
+    /// assert_eq!(state.samples[..4], [4.0, 7.0, 3.0, 3.0]); // newest first; the output stood in for the one that was missing
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct FirLowPassState {
         /// Samples, newest first.
         pub samples: [T; CAPACITY],

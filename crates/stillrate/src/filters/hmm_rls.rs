@@ -90,6 +90,21 @@ pub(crate) fn check_order(order: f64) -> Result<bool, ConfigError> {
 
 plain! {
     /// Order 1 on its own: the exponentially weighted mean.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::RecursiveLeastSquaresSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.01);
+    /// let both = RecursiveLeastSquaresSettings::defaults(200.0, noise).build::<f64>()?;
+    /// let mean = both.mean; // a filter by itself
+    /// let (mut state, mut alone) = (both.start(), mean.start());
+    /// for value in [1.0, 2.0, 6.0] {
+    ///     let sample = Sample { value, dt: 0.005 };
+    ///     assert_eq!(both.step(&mut state, sample), mean.step(&mut alone, sample));
+    /// }
+    /// assert!(size_of_val(&alone) < size_of_val(&state) / 2);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct WeightedMean<T> {
         /// Nominal sample period, s.
         pub period_s: T,
@@ -158,11 +173,34 @@ plain! {
 
 reals! {
     /// State of [`RecursiveLeastSquares`]: of the two orders only the configured one is in use.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings};
+    /// use stillrate::filters::{RecursiveLeastSquaresSettings, closed_forms::rls_gain};
+    /// let settings = RecursiveLeastSquaresSettings::defaults(200.0, GyroNoise::from_density_two_sided(0.01));
+    /// let filter = settings.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for n in 1..100 {
+    ///     filter.step(&mut state, Sample { value: 1.0, dt: 0.005 });
+    ///     let gain = 1.0 / state.mean.weight;
+    ///     assert!((gain / rls_gain(settings.forgetting_factor, n) - 1.0).abs() < 1e-12);
+    /// }
+    /// assert_eq!(state.line.moments, [0.0; 3]); // order 1: the line stays as it started
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct RecursiveLeastSquaresState {
         /// Order 1.
         pub mean: LevelState<T>,
         /// Order 2.
         pub line: LineState<T>,
+    }
+}
+
+impl<T: Real> RecursiveLeastSquaresState<T> {
+    /// Before the first sample.
+    pub(crate) fn start() -> Self {
+        Self { mean: LevelState::start(), line: LineState::start() }
     }
 }
 
@@ -194,7 +232,7 @@ impl<T: Real> Paced for RecursiveLeastSquares<T> {
     type State = RecursiveLeastSquaresState<T>;
 
     fn begin(&self) -> RecursiveLeastSquaresState<T> {
-        RecursiveLeastSquaresState { mean: LevelState::start(), line: LineState::start() }
+        RecursiveLeastSquaresState::start()
     }
 
     fn admits(&self, state: &RecursiveLeastSquaresState<T>) -> bool {

@@ -9,7 +9,7 @@
 //! the output within twice the largest of the last 16 samples (within the largest while samples are missing).
 
 use crate::error::ConfigError;
-use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::filter::{Estimate, Filter, Observer, Sample};
 use crate::noise::{GyroNoise, range};
 use crate::plain;
 use crate::ranges;
@@ -28,6 +28,15 @@ const LARGEST_LESSON: f64 = 4.0;
 const LARGEST_REACH: f64 = 2.0;
 
 /// Settings of [`LinearPrediction`].
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::LinearPredictionSettings};
+/// let settings = LinearPredictionSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+/// assert_eq!(settings.step_size, 0.05);
+/// let hasty = LinearPredictionSettings { step_size: 2.0, ..settings }; // from here on learning diverges
+/// assert_eq!(hasty.build::<f64>().unwrap_err().field, "step_size");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearPredictionSettings {
     /// Nominal sample rate, Hz.
@@ -53,7 +62,15 @@ impl Settings for LinearPredictionSettings {
     }
 
     fn build<T: Real>(&self) -> Result<LinearPrediction<T>, ConfigError> {
-        LinearPrediction::new(self)
+        ranges::check(self)?;
+        let rate = self.sample_rate_hz;
+        let unit = self.noise.density_dps_sqrt_hz * rate.root();
+        Ok(LinearPrediction {
+            period_s: T::of(1.0 / rate),
+            step_size: T::of(self.step_size),
+            unit: T::of(unit),
+            limit: range(unit),
+        })
     }
 }
 
@@ -88,6 +105,20 @@ plain! {
 
 reals! {
     /// State of [`LinearPrediction`], in units of the noise's standard deviation.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::LinearPredictionSettings};
+    /// let noise = GyroNoise::from_standard_deviation_at_rate(0.1, 50.0);
+    /// let filter = LinearPredictionSettings::defaults(50.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// assert_eq!(state.weights, [1.0 / 16.0; 16]); // a mean, before anything is learnt
+    /// for value in [0.1, 0.2] {
+    ///     filter.step(&mut state, Sample { value, dt: 0.02 });
+    /// }
+    /// assert!((state.history[0] - 2.0).abs() < 1e-12 && (state.history[1] - 1.0).abs() < 1e-12); // newest first, in sigmas
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct LinearPredictionState {
         /// The last samples, the newest first.
         pub history: [T; ORDER],
@@ -97,24 +128,6 @@ reals! {
         pub output: T,
         /// 1 once a sample has been seen.
         pub started: T,
-    }
-}
-
-impl<T: Real> LinearPrediction<T> {
-    /// Filter from its settings.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a setting is out of its [range](crate::ranges).
-    pub fn new(settings: &LinearPredictionSettings) -> Result<Self, ConfigError> {
-        ranges::check(settings)?;
-        let rate = settings.sample_rate_hz;
-        let unit = settings.noise.density_dps_sqrt_hz * rate.root();
-        Ok(Self {
-            period_s: T::of(1.0 / rate),
-            step_size: T::of(settings.step_size),
-            unit: T::of(unit),
-            limit: range(unit),
-        })
     }
 }
 
@@ -221,10 +234,7 @@ impl<T: Real> Filter<T> for LinearPrediction<T> {
             rate: state.output * self.unit,
             acceleration: T::ZERO,
             variance: T::ZERO,
-            flags: checked
-                .flags
-                .with(Flags::NO_DATA_YET.when(state.started == T::ZERO))
-                .with(Flags::DIVERGED.when(!sound)),
+            flags: checked.flags_after(state.started, sound),
         }
     }
 }

@@ -8,7 +8,6 @@
 //! [`Flags::DIVERGED`], and the filter starts anew at that sample. Where lambda leaves alpha alone, it is bounded so that this cannot
 //! happen. What the paper leaves open is a setting.
 
-use crate::adaptive::fading::{FadingForm, FadingSource, fading_factor};
 use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 use crate::gaussian::Gaussian3;
 use crate::imm::{interact, mix3, weigh2};
@@ -19,19 +18,18 @@ use crate::real::Real;
 use crate::reals;
 use crate::sound;
 
-/// When the fading factor acts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FadingGate {
-    /// At every sample.
-    Always,
-    /// Not while rest is declared.
-    WhileMoving,
-    /// Not while rest is declared, and only in the second model.
-    SecondModelWhileMoving,
-}
-
 plain! {
     /// One model of the pair.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{GyroNoise, Settings, filters::MsImmIkfPaperSettings};
+    /// let noise = GyroNoise::from_standard_deviation_at_rate(0.1074, 50.0);
+    /// let [rest, motion] = MsImmIkfPaperSettings::defaults(50.0, noise).build::<f64>()?.model;
+    /// assert_eq!((rest.parameter, motion.parameter), (0.001, 0.01)); // alpha, 1/s
+    /// assert_eq!((rest.acceleration_variance, motion.acceleration_variance), (0.75, 300.0)); // A_max^2 / 3
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct PaperModel<T> {
         /// alpha (or its logarithm) at the start.
         pub parameter: T,
@@ -109,6 +107,20 @@ plain! {
 
 reals! {
     /// State of [`MsImmIkfPaper`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::MsImmIkfPaperSettings};
+    /// let noise = GyroNoise::from_standard_deviation_at_rate(0.1074, 50.0);
+    /// let filter = MsImmIkfPaperSettings::defaults(50.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for k in 0..200 {
+    ///     filter.step(&mut state, Sample { value: 20.0 * (0.1 * f64::from(k)).sin(), dt: 0.02 });
+    /// }
+    /// assert!((state.probability[0] + state.probability[1] - 1.0).abs() < 1e-12);
+    /// assert_eq!(state.model[1].mean[2], 0.01); // no measurement ever moves the printed alpha
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct MsImmIkfPaperState {
         /// Both models.
         pub model: [Gaussian3<T>; 2],
@@ -122,37 +134,10 @@ reals! {
 }
 
 impl<T: Real> MsImmIkfPaper<T> {
-    /// The choices are stored as numbers, so that no bit pattern from another language can be invalid.
+    /// How the third state acts.
     #[inline(always)]
     fn parameter(&self) -> Parameter {
         Parameter { exact_jacobian: self.exact_jacobian == 1, logarithmic: self.logarithmic == 1 }
-    }
-
-    #[inline(always)]
-    fn form(&self) -> FadingForm {
-        match self.form {
-            0 => FadingForm::None,
-            1 => FadingForm::Absolute,
-            _ => FadingForm::Signed,
-        }
-    }
-
-    #[inline(always)]
-    fn source(&self) -> FadingSource {
-        match self.source {
-            0 => FadingSource::Measurement,
-            1 => FadingSource::Innovation,
-            _ => FadingSource::Windowed,
-        }
-    }
-
-    #[inline(always)]
-    fn gate(&self) -> FadingGate {
-        match self.gate {
-            0 => FadingGate::Always,
-            1 => FadingGate::WhileMoving,
-            _ => FadingGate::SecondModelWhileMoving,
-        }
     }
 
     fn start_at(&self, rate: T) -> MsImmIkfPaperState<T> {
@@ -188,32 +173,6 @@ impl<T: Real> MsImmIkfPaper<T> {
         Gaussian3 { mean: [m0, m1, own.mean[2]], covariance: [p00, p01, p02, p11, p12, p22] }
     }
 
-    /// Delta of the fading factor; the windowed form keeps its mean square in `window`.
-    #[inline(always)]
-    fn excess(&self, value: T, innovation: T, window: &mut T) -> T {
-        let square = match self.source() {
-            FadingSource::Measurement => value * value,
-            FadingSource::Innovation => innovation * innovation,
-            FadingSource::Windowed => {
-                let now = innovation * innovation;
-                let followed = (self.fading_memory * *window + now) / (T::ONE + self.fading_memory);
-                *window = T::select(*window < T::ZERO, now, followed);
-                *window
-            }
-        };
-        self.fading_scale * square
-    }
-
-    /// A fading factor that leaves the acceleration within a swing from rail to rail in one period. Fading acts on what a measurement of the
-    /// rate hardly reduces; a row of wild samples would otherwise make it overflow. Not where it also multiplies the variance of alpha:
-    /// that is the filter as printed.
-    #[inline(always)]
-    fn bounded(&self, wanted: T, acceleration_variance: T) -> T {
-        let swing = self.limit / self.period_s;
-        let most = T::select(self.fades_alpha == 1, T::LARGEST, swing * swing / acceleration_variance);
-        wanted.least(most.most(T::ONE))
-    }
-
     /// The whole cycle with a usable time step; `present` says whether there is a value.
     #[inline(always)]
     fn cycle(&self, s: &mut MsImmIkfPaperState<T>, value: T, present: bool, dt: T) -> [ModelTrace<T>; 2] {
@@ -230,18 +189,7 @@ impl<T: Real> MsImmIkfPaper<T> {
             let mixed = self.mix(&models, weight[i], i);
             let prediction =
                 predict_modified(&mixed, self.parameter(), model.acceleration_variance, model.alpha_noise, dt);
-            let delta = self.excess(value, value - prediction.mean[0], &mut s.window[i]);
-            let softened = match self.source() {
-                FadingSource::Windowed => self.fading_softening * model.measurement_variance,
-                _ => model.measurement_variance,
-            };
-            let wanted = fading_factor(self.form(), delta, prediction.carried[0], prediction.noise[0], softened);
-            let acts = match self.gate() {
-                FadingGate::Always => true,
-                FadingGate::WhileMoving => !at_rest,
-                FadingGate::SecondModelWhileMoving => !at_rest && i == 1,
-            };
-            let fading = T::select(present && acts, self.bounded(wanted, prediction.carried[3]), T::ONE);
+            let fading = self.fading(i, &prediction, (value, present), at_rest, &mut s.window[i]);
             let predicted = prediction.faded(fading, self.fades_alpha == 1);
             let (updated, evidence) = update3(&predicted, &Reading::plain(value, model.measurement_variance));
             let kept = if present { updated } else { predicted };

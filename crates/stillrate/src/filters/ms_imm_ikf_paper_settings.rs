@@ -1,7 +1,7 @@
 //! Settings of the published MS-IMM-IKF: its modes and every choice that the paper leaves open.
 
 use super::ms_imm_ikf_paper::{MsImmIkfPaper, PaperModel};
-use super::singer_imm_kf_settings::{SingerFigures, check_variances, probability_pair, transition_matrix};
+use super::singer_pair::{SingerPair, probability_pair, transition_matrix, visit_pair};
 use crate::error::ConfigError;
 use crate::noise::{GyroNoise, range};
 use crate::ranges;
@@ -14,6 +14,16 @@ use crate::settings::{Settings, Visit, visit_noise};
 /// - `printed`: the equations to the letter. It diverges by itself, also at rest, and says so in its flags.
 /// - `exact-jacobian`: alpha is estimated with the exact derivative; no fading.
 /// - `log-alpha`: the same for the logarithm of alpha.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::{FADING_GATES, MODES, MsImmIkfPaperSettings};
+/// use stillrate::{GyroNoise, Settings};
+/// let settings = MsImmIkfPaperSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+/// assert_eq!((MODES[settings.mode], FADING_GATES[settings.fading_gate]), ("paper", "second-model-while-moving"));
+/// let unsound = MsImmIkfPaperSettings { jacobian: 1, ..settings }; // exact, and alpha still private
+/// assert_eq!(unsound.build::<f64>().unwrap_err().field, "jacobian");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MsImmIkfPaperSettings {
     /// Nominal sample rate, Hz.
@@ -22,23 +32,11 @@ pub struct MsImmIkfPaperSettings {
     pub noise: GyroNoise,
     /// Index into [`MODES`].
     pub mode: usize,
-    /// Reciprocal manoeuvre time constants at the start, 1/s; default .001, .01.
-    pub alpha_per_s: [f64; 2],
-    /// Largest accelerations, deg/s^2; default 1.5, 30.
-    pub accel_max_dps2: [f64; 2],
-    /// Transition probabilities a sample, row by row; default .95 .05 .05 .95.
-    pub transition: [f64; 4],
-    /// Probabilities before the first sample; default .5, .5.
-    pub initial_probability: [f64; 2],
-    /// Variances of a sample, (deg/s)^2; default that of the noise at the sample rate.
-    pub measurement_variance: [f64; 2],
-    /// Variances of the rate before the first sample, (deg/s)^2; default the same.
-    pub initial_rate_variance: [f64; 2],
-    /// Variances of the acceleration before the first sample, (deg/s^2)^2; default 1, 100.
-    pub initial_acceleration_variance: [f64; 2],
-    /// Variances of the third state before the first sample; default 1e-8, 1e-6 (log-alpha: 1, 1).
+    /// The two models at the start.
+    pub pair: SingerPair,
+    /// Variances of the third state before the first sample, 1/s^2; default 1e-8, 1e-6 (log-alpha: pure numbers; 1, 1).
     pub initial_alpha_variance: [f64; 2],
-    /// Densities of the third state's random walk, per s; default 0, 0 in paper mode.
+    /// Densities of the third state's random walk, 1/s^2 per s (log-alpha: per s); default 0, 0 in paper mode.
     pub alpha_noise_density: [f64; 2],
     /// Whether alpha is mixed like any state: index into [`ALPHA_MIXING`].
     pub alpha_mixing: usize,
@@ -58,7 +56,7 @@ pub struct MsImmIkfPaperSettings {
     pub fading_memory: f64,
     /// Softening factor of R in the windowed form; default 1.5.
     pub fading_softening: f64,
-    /// Probability of staying while rest is declared; 0 keeps `transition`; default .9985 in paper mode.
+    /// Probability of staying while rest is declared; 0 keeps `pair.transition`; default .9985 in paper mode.
     pub static_stay_probability: f64,
     /// alpha3: rest is declared while sum mu alpha <= alpha3, 1/s; default .0055, the mean of both alphas' defaults.
     pub static_alpha_per_s: f64,
@@ -110,18 +108,11 @@ impl Settings for MsImmIkfPaperSettings {
     type Filter<T: Real> = MsImmIkfPaper<T>;
 
     fn defaults(sample_rate_hz: f64, noise: GyroNoise) -> Self {
-        let variance = noise.sample_variance(sample_rate_hz);
         let mut settings = Self {
             sample_rate_hz,
             noise,
             mode: 0,
-            alpha_per_s: [0.001, 0.01],
-            accel_max_dps2: [1.5, 30.0],
-            transition: [0.95, 0.05, 0.05, 0.95],
-            initial_probability: [0.5; 2],
-            measurement_variance: [variance; 2],
-            initial_rate_variance: [variance; 2],
-            initial_acceleration_variance: [1.0, 100.0],
+            pair: SingerPair::defaults(noise.sample_variance(sample_rate_hz)),
             initial_alpha_variance: [1e-8, 1e-6],
             alpha_noise_density: [0.0; 2],
             alpha_mixing: 0,
@@ -148,16 +139,9 @@ impl Settings for MsImmIkfPaperSettings {
         if self.mode != mode {
             self.preset();
         }
-        let mut pair = |name, values: &mut [f64]| super::singer_imm_kf_settings::visit_pair(visitor, name, values);
-        pair("alpha_per_s", &mut self.alpha_per_s);
-        pair("accel_max_dps2", &mut self.accel_max_dps2);
-        pair("transition", &mut self.transition);
-        pair("initial_probability", &mut self.initial_probability);
-        pair("measurement_variance", &mut self.measurement_variance);
-        pair("initial_rate_variance", &mut self.initial_rate_variance);
-        pair("initial_acceleration_variance", &mut self.initial_acceleration_variance);
-        pair("initial_alpha_variance", &mut self.initial_alpha_variance);
-        pair("alpha_noise_density", &mut self.alpha_noise_density);
+        self.pair.visit(visitor);
+        visit_pair(visitor, "initial_alpha_variance", &mut self.initial_alpha_variance);
+        visit_pair(visitor, "alpha_noise_density", &mut self.alpha_noise_density);
         visitor.choice("alpha_mixing", ALPHA_MIXING, &mut self.alpha_mixing);
         visitor.choice("jacobian", JACOBIANS, &mut self.jacobian);
         visitor.choice("fading", FADINGS, &mut self.fading);
@@ -184,44 +168,37 @@ impl Settings for MsImmIkfPaperSettings {
             return Err(ConfigError::new("jacobian", 1.0, "", range));
         }
         let stay = self.static_stay_probability;
-        check_variances(&self.measurement_variance)?;
-        SingerFigures {
-            alpha_per_s: &self.alpha_per_s,
-            accel_max_dps2: &self.accel_max_dps2,
-            initial_variance: &self.initial_acceleration_variance,
-        }
-        .check()?;
+        let pair = &self.pair;
+        pair.check()?;
         let logarithmic = self.mode == 3;
         let mut model = [PaperModel::NONE; 2];
-        let mut limit = 0.0_f64;
         for (i, model) in model.iter_mut().enumerate() {
-            let (alpha, variance) = (self.alpha_per_s[i], self.measurement_variance[i]);
-            let (rate, start) = (self.initial_rate_variance[i], self.initial_acceleration_variance[i]);
+            let (alpha, variance) = (pair.alpha_per_s[i], pair.measurement_variance[i]);
+            let (rate, start) = (pair.initial_rate_variance[i], pair.initial_acceleration_variance[i]);
             let (third, walk) = (self.initial_alpha_variance[i], self.alpha_noise_density[i]);
             *model = PaperModel {
                 parameter: T::of(if logarithmic { alpha.logarithm() } else { alpha }),
-                acceleration_variance: T::of(self.accel_max_dps2[i] * self.accel_max_dps2[i] / 3.0),
+                acceleration_variance: T::of(pair.accel_max_dps2[i] * pair.accel_max_dps2[i] / 3.0),
                 measurement_variance: T::of(variance),
                 alpha_noise: T::of(walk),
                 start_variance: [T::of(rate), T::of(start), T::of(third)],
             };
-            limit = limit.most(variance.root());
         }
         Ok(MsImmIkfPaper {
             period_s: T::of(period),
             model,
-            transition: transition_matrix(&self.transition)?,
+            transition: transition_matrix(&pair.transition)?,
             static_transition: if stay > 0.0 {
                 transition_matrix(&[stay, 1.0 - stay, 1.0 - stay, stay])?
             } else {
-                transition_matrix(&self.transition)?
+                transition_matrix(&pair.transition)?
             },
-            start_probability: probability_pair(&self.initial_probability)?,
+            start_probability: probability_pair(&pair.initial_probability)?,
             static_alpha: T::of(self.static_alpha_per_s),
             fading_scale: T::of(self.fading_scale),
             fading_memory: T::of(self.fading_memory),
             fading_softening: T::of(self.fading_softening),
-            limit: range(limit),
+            limit: range(pair.largest_deviation()),
             shares_alpha: u32::from(self.alpha_mixing == 1),
             fades_alpha: u32::from(self.fading_scope == 1),
             exact_jacobian: u32::from(self.jacobian == 1),

@@ -5,7 +5,7 @@
 //! each low-pass has the gain a = x / (1 + x), x = 2 pi f_c dt.
 
 use crate::error::ConfigError;
-use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::filter::{Estimate, Filter, Observer, Sample};
 use crate::noise::{GyroNoise, RANGE};
 use crate::plain;
 use crate::ranges;
@@ -15,6 +15,15 @@ use crate::settings::{Settings, Visit};
 use crate::sound;
 
 /// Settings of [`OneEuro`].
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::OneEuroSettings};
+/// let quiet = OneEuroSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.0151));
+/// let noisy = OneEuroSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.151));
+/// assert!((quiet.beta - 0.5).abs() < 1e-15 && (noisy.beta - 0.05).abs() < 1e-15); // opens less for what may be noise
+/// assert!(quiet.build::<f32>().is_ok());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct OneEuroSettings {
     /// Nominal sample rate, Hz.
@@ -81,6 +90,18 @@ plain! {
 
 reals! {
     /// State of [`OneEuro`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, Sample, filters::OneEuro};
+    /// let filter = OneEuro::<f64>::new(50.0, 0.2, 0.5, 1.0)?;
+    /// let mut state = filter.start();
+    /// for value in [3.0, f64::NAN, f64::NAN] {
+    ///     filter.step(&mut state, Sample { value, dt: 0.02 });
+    /// }
+    /// assert_eq!((state.level, state.raw, state.since), (3.0, 3.0, 0.04)); // held for two periods
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct OneEuroState {
         /// The filtered value.
         pub level: T,
@@ -173,10 +194,7 @@ impl<T: Real> Filter<T> for OneEuro<T> {
             rate: state.level,
             acceleration: state.slope,
             variance: T::ZERO,
-            flags: checked
-                .flags
-                .with(Flags::NO_DATA_YET.when(state.started == T::ZERO))
-                .with(Flags::DIVERGED.when(!sound)),
+            flags: checked.flags_after(state.started, sound),
         }
     }
 }

@@ -27,6 +27,19 @@ pub struct OnlineAr<T, const N: usize> {
 }
 
 /// State of [`OnlineAr`].
+///
+/// # Example
+/// ```
+/// use stillrate::filters::{OnlineAr, VectorRlsSettings};
+/// let fit = OnlineAr::<f64, 2>::new(VectorRlsSettings::default())?;
+/// let mut state = fit.start();
+/// for value in [1.0, f64::NAN, 3.0, 4.0] {
+///     fit.step(&mut state, value);
+/// }
+/// assert_eq!((state.past, state.run), ([4.0, 3.0], 2)); // the next sample is the first with two before it
+/// assert_eq!(state.rls.weights, [0.0; 2]);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnlineArState<T, const N: usize> {
     /// Coefficients (as weights) and their covariance.
@@ -63,9 +76,9 @@ impl<T: Real, const N: usize> OnlineAr<T, N> {
         } else {
             VectorRlsEstimate { prediction: T::ZERO, innovation: T::ZERO, flags: Flags::NO_DATA_YET }
         };
-        state.past.rotate_right(1);
-        if let Some(newest) = state.past.first_mut() {
-            *newest = value;
+        if let Some(oldest) = state.past.last_mut() {
+            *oldest = value;
+            state.past.rotate_right(1);
         }
         state.run = state.run.saturating_add(1);
         estimate

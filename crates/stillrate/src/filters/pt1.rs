@@ -16,6 +16,14 @@ use crate::settings::{Settings, Visit};
 use crate::sound;
 
 /// Settings of [`Pt1`].
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::Pt1Settings};
+/// let settings = Pt1Settings::defaults(60.0, GyroNoise::from_density_two_sided(0.01));
+/// assert_eq!(settings.cutoff_hz, 15.0); // a quarter of so low a rate
+/// assert_eq!(Pt1Settings { cutoff_hz: 0.0, ..settings }.build::<f64>().unwrap_err().field, "cutoff_hz");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pt1Settings {
     /// Nominal sample rate, Hz.
@@ -69,6 +77,20 @@ plain! {
 
 reals! {
     /// State of [`Pt1`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, Sample, filters::Pt1};
+    /// let filter = Pt1::<f64>::new(50.0, 8.0)?;
+    /// let (mut roll, mut pitch) = (filter.start(), filter.start()); // one configuration, two channels
+    /// filter.step(&mut roll, Sample { value: 3.0, dt: 0.02 });
+    /// filter.step(&mut pitch, Sample { value: -3.0, dt: 0.02 });
+    /// assert_eq!((roll.level, pitch.level), (3.0, -3.0));
+    /// let saved = roll; // plain data: a copy is a saved state
+    /// filter.step(&mut roll, Sample { value: 100.0, dt: 0.02 });
+    /// assert_eq!(saved.level, 3.0);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct Pt1State {
         /// The filtered value.
         pub level: T,

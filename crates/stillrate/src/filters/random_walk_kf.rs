@@ -18,6 +18,22 @@ use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
 
 /// Settings of [`RandomWalkKf`].
+///
+/// # Example
+/// ```
+/// use stillrate::{Filter, GyroNoise, Sample, Settings};
+/// use stillrate::filters::{RandomWalkKfSettings, closed_forms::forgetting_factor_of_variance_ratio};
+/// let noise = GyroNoise::from_density_two_sided(0.01);
+/// let settings = RandomWalkKfSettings { variance_ratio: 0.0025, ..RandomWalkKfSettings::defaults(200.0, noise) };
+/// let filter = settings.build::<f64>()?;
+/// let mut state = filter.start();
+/// for _ in 0..1000 {
+///     filter.step(&mut state, Sample { value: 1.0, dt: 0.005 });
+/// }
+/// let gain = 1.0 / state.weight; // settled at that of recursive least squares
+/// assert!((gain - (1.0 - forgetting_factor_of_variance_ratio(0.0025))).abs() < 1e-12);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomWalkKfSettings {
     /// Nominal sample rate, Hz.

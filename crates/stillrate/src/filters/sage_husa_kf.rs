@@ -10,7 +10,7 @@
 //! q = N^2 (2 pi f)^4, f = 2 Hz, R starts at N^2 / T, and b = exp(-T / 1 s).
 
 use crate::error::ConfigError;
-use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
+use crate::filter::{Estimate, Filter, Observer, Sample};
 use crate::gaussian::Gaussian2;
 use crate::models::SingerCoefficients;
 use crate::noise::{GyroNoise, range};
@@ -22,6 +22,15 @@ use crate::settings::{Settings, Visit, visit_noise};
 use crate::sound;
 
 /// Settings of [`SageHusaKf`].
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::SageHusaKfSettings};
+/// let settings = SageHusaKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+/// assert!(settings.build::<f64>().is_ok());
+/// let wild = SageHusaKfSettings { bandwidth_hz: 1e4, alpha_per_s: 1e-6, ..settings }; // builds up to more than any rate
+/// assert_eq!(wild.build::<f64>().unwrap_err().field, "bandwidth_hz");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SageHusaKfSettings {
     /// Nominal sample rate, Hz.
@@ -54,7 +63,27 @@ impl Settings for SageHusaKfSettings {
     }
 
     fn build<T: Real>(&self) -> Result<SageHusaKf<T>, ConfigError> {
-        SageHusaKf::new(self)
+        ranges::check(self)?;
+        let (period, density) = (1.0 / self.sample_rate_hz, self.noise.density_dps_sqrt_hz);
+        let corner = core::f64::consts::TAU * self.bandwidth_hz;
+        let (alpha, memory) = (self.alpha_per_s, self.memory_s);
+        let unit = density / period.root();
+        // What the motion model builds up to, as in `ranges`: in standard deviations of a sample and in deg/s.
+        let swing = corner * corner * (period / (2.0 * alpha)).root() / alpha;
+        if !(swing * unit.most(1.0) <= LARGEST_SWING_DPS) {
+            let range = "such that bandwidth_hz^2 / alpha_per_s^1.5 gives a motion of at most 1e9 deg/s and 1e9 sigma";
+            return Err(ConfigError::new("bandwidth_hz", self.bandwidth_hz, "", range));
+        }
+        Ok(SageHusaKf {
+            period_s: T::of(period),
+            alpha_per_s: T::of(alpha),
+            model: SingerCoefficients::new(T::of(alpha), T::of(period)),
+            drive: T::of(period * corner * corner * corner * corner),
+            forgotten: T::of(-(-period / memory).exponential_less_one()),
+            memory_s: T::of(memory),
+            unit: T::of(unit),
+            limit: range(unit),
+        })
     }
 }
 
@@ -94,6 +123,21 @@ plain! {
 
 reals! {
     /// State of [`SageHusaKf`], in units of the measurement standard deviation it started with.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SageHusaKfSettings};
+    /// let noise = GyroNoise::from_standard_deviation_at_rate(0.1, 50.0);
+    /// let filter = SageHusaKfSettings::defaults(50.0, noise).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// assert_eq!(state.measurement_variance, 1.0); // as given
+    /// for k in 0..1000 {
+    ///     let value = if k % 2 == 0 { 0.4 } else { -0.4 }; // four times the noise that was given
+    ///     filter.step(&mut state, Sample { value, dt: 0.02 });
+    /// }
+    /// assert!((state.measurement_variance / 16.0 - 1.0).abs() < 0.2);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct SageHusaKfState {
         /// Rate.
         pub rate: T,
@@ -118,36 +162,6 @@ const LARGEST_LESSON: f64 = 5.0;
 /// R stays within this factor of where it started: without an upper end, one huge spike makes the filter mistrust all that
 /// follows, which then looks like noise to it, and so on for ever.
 const LARGEST_CHANGE: f64 = 1e4;
-
-impl<T: Real> SageHusaKf<T> {
-    /// Filter from its settings.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a setting is out of its [range](crate::ranges), or the bandwidth more than alpha and the noise allow.
-    pub fn new(settings: &SageHusaKfSettings) -> Result<Self, ConfigError> {
-        ranges::check(settings)?;
-        let (period, density) = (1.0 / settings.sample_rate_hz, settings.noise.density_dps_sqrt_hz);
-        let corner = core::f64::consts::TAU * settings.bandwidth_hz;
-        let (alpha, memory) = (settings.alpha_per_s, settings.memory_s);
-        let unit = density / period.root();
-        // What the motion model builds up to, as in `ranges`: in standard deviations of a sample and in deg/s.
-        let swing = corner * corner * (period / (2.0 * alpha)).root() / alpha;
-        if !(swing * unit.most(1.0) <= LARGEST_SWING_DPS) {
-            let range = "such that bandwidth_hz^2 / alpha_per_s^1.5 gives a motion of at most 1e9 deg/s and 1e9 sigma";
-            return Err(ConfigError::new("bandwidth_hz", settings.bandwidth_hz, "", range));
-        }
-        Ok(Self {
-            period_s: T::of(period),
-            alpha_per_s: T::of(alpha),
-            model: SingerCoefficients::new(T::of(alpha), T::of(period)),
-            drive: T::of(period * corner * corner * corner * corner),
-            forgotten: T::of(-(-period / memory).exponential_less_one()),
-            memory_s: T::of(memory),
-            unit: T::of(unit),
-            limit: range(unit),
-        })
-    }
-}
 
 impl<T: Real> Filter<T> for SageHusaKf<T> {
     type State = SageHusaKfState<T>;
@@ -223,10 +237,7 @@ impl<T: Real> Filter<T> for SageHusaKf<T> {
             rate: state.rate * self.unit,
             acceleration: state.acceleration * self.unit,
             variance: state.p11 * self.unit * self.unit,
-            flags: checked
-                .flags
-                .with(Flags::NO_DATA_YET.when(state.started == T::ZERO))
-                .with(Flags::DIVERGED.when(!sound)),
+            flags: checked.flags_after(state.started, sound),
         }
     }
 }

@@ -3,6 +3,7 @@
 //! The defaults are those that reproduce the published static figures: alpha .001 and .01 /s, largest acceleration 1.5
 //! and 30 deg/s^2, sigma_m^2 = A_max^2 / 3, probability of staying .95 a sample.
 
+use super::singer_imm_model::SingerImmModel;
 use crate::block;
 use crate::filter::{Checked, Estimate, Filter, Flags, LONGEST_GAP_S, ModelTrace, Observer, Sample};
 use crate::gaussian::Gaussian2;
@@ -12,37 +13,8 @@ use crate::models::SingerCoefficients;
 use crate::plain;
 use crate::real::Real;
 use crate::reals;
-use crate::reals::{Lane, Lanes};
+use crate::reals::{Lane, Lanes, Reals};
 use crate::sound;
-
-plain! {
-    /// One Singer model of the pair.
-    pub struct SingerImmModel<T> {
-        /// Reciprocal time constant, 1/s.
-        pub alpha: T,
-        /// Coefficients at the nominal period, driving noise included.
-        pub step: SingerCoefficients<T>,
-        /// Variance of a sample.
-        pub measurement_variance: T,
-        /// Variances of rate and acceleration at the first sample.
-        pub start_variance: [T; 2],
-    }
-}
-
-impl<T: Real> SingerImmModel<T> {
-    /// Coefficients of an unusual time step. Seldom needed, so it stays out of the step's own code.
-    #[cfg_attr(not(target_arch = "arm"), inline(never))]
-    pub(super) fn over(&self, dt: T) -> SingerCoefficients<T> {
-        SingerCoefficients::new(self.alpha, dt).driven_by(self.step.intensity())
-    }
-
-    pub(super) const NONE: Self = Self {
-        alpha: T::ZERO,
-        step: SingerCoefficients { r: T::ZERO, s: T::ZERO, q11: T::ZERO, q12: T::ZERO, q22: T::ZERO },
-        measurement_variance: T::ONE,
-        start_variance: [T::ONE; 2],
-    };
-}
 
 plain! {
     /// Two interacting Singer models.
@@ -75,6 +47,21 @@ plain! {
 
 reals! {
     /// State of [`SingerImmKf`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SingerImmKfSettings};
+    /// let filter = SingerImmKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// let mut estimate = Default::default();
+    /// for value in [0.0, 0.1, -0.1] {
+    ///     estimate = filter.step(&mut state, Sample { value, dt: 0.02 });
+    /// }
+    /// let [rest, motion] = state.weight;
+    /// let mean = (rest * state.model[0].mean[0] + motion * state.model[1].mean[0]) / (rest + motion);
+    /// assert!((estimate.rate - mean).abs() < 1e-15);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct SingerImmKfState {
         /// Rate and acceleration of both models.
         pub model: [Gaussian2<T>; 2],
@@ -135,6 +122,8 @@ impl<T: Real> Filter<T> for SingerImmKf<T> {
 
     #[inline(always)]
     fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        // Without room for the state there is nothing to go on from: the samples are left alone.
+        let tile = if lanes.len() < <Self::State as Reals<T>>::COUNT { &mut [] } else { tile };
         let tempo = self.tempo(dt);
         let mut state: SingerImmKfState<Lane<T, W>> = block::load_wide(lanes);
         for row in tile {

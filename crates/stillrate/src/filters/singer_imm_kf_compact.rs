@@ -3,7 +3,8 @@
 //!
 //! On a Cortex-M4F it takes half of the code and of the stack; where there are wide registers it would be the slower one.
 
-use super::singer_imm_kf::{SingerImmKf, SingerImmKfState, SingerImmModel};
+use super::singer_imm_kf::{SingerImmKf, SingerImmKfState};
+use super::singer_imm_model::SingerImmModel;
 use crate::filter::{Estimate, Flags, Sample};
 use crate::gaussian::Gaussian2;
 use crate::imm::{mix2, normalised, prior2, shares};

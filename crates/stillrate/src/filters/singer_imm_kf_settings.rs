@@ -1,6 +1,8 @@
-//! Settings of the two-model Singer bank, and the checks that all filters of Singer models share.
+//! Settings of the two-model Singer bank.
 
-use super::singer_imm_kf::{SingerImmKf, SingerImmModel};
+use super::singer_imm_kf::SingerImmKf;
+use super::singer_imm_model::SingerImmModel;
+use super::singer_pair::{SingerPair, driving_density, probability_pair, transition_matrix};
 use crate::error::ConfigError;
 use crate::models::SingerCoefficients;
 use crate::noise::{GyroNoise, RANGE_SIGMAS, range};
@@ -8,27 +10,27 @@ use crate::ranges;
 use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
 
-/// Settings of [`SingerImmKf`]: two of everything, rest first.
+/// Settings of [`SingerImmKf`].
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::SingerImmKfSettings};
+/// let settings = SingerImmKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015));
+/// let filter = settings.build::<f64>()?;
+/// assert_eq!(filter.leave, [0.05, 0.05]); // a model is kept for 20 samples on average
+/// let mut leaky = settings;
+/// leaky.pair.transition = [0.95, 0.04, 0.05, 0.95];
+/// assert_eq!(leaky.build::<f64>().unwrap_err().field, "transition");
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SingerImmKfSettings {
     /// Nominal sample rate, Hz.
     pub sample_rate_hz: f64,
     /// The gyro's noise.
     pub noise: GyroNoise,
-    /// Reciprocal manoeuvre time constants, 1/s; default .001, .01.
-    pub alpha_per_s: [f64; 2],
-    /// Largest accelerations, deg/s^2; default 1.5, 30.
-    pub accel_max_dps2: [f64; 2],
-    /// Transition probabilities a sample, row by row (from first to first, from first to second, ...); default .95 .05 .05 .95.
-    pub transition: [f64; 4],
-    /// Probabilities before the first sample; default .5, .5.
-    pub initial_probability: [f64; 2],
-    /// Variances of a sample, (deg/s)^2; default that of the noise at the sample rate.
-    pub measurement_variance: [f64; 2],
-    /// Variances of the rate before the first sample, (deg/s)^2; default the same.
-    pub initial_rate_variance: [f64; 2],
-    /// Variances of the acceleration before the first sample, (deg/s^2)^2; default 1, 100.
-    pub initial_acceleration_variance: [f64; 2],
+    /// The two models.
+    pub pair: SingerPair,
 }
 
 impl Settings for SingerImmKfSettings {
@@ -36,141 +38,43 @@ impl Settings for SingerImmKfSettings {
     type Filter<T: Real> = SingerImmKf<T>;
 
     fn defaults(sample_rate_hz: f64, noise: GyroNoise) -> Self {
-        let variance = noise.sample_variance(sample_rate_hz);
-        Self {
-            sample_rate_hz,
-            noise,
-            alpha_per_s: [0.001, 0.01],
-            accel_max_dps2: [1.5, 30.0],
-            transition: [0.95, 0.05, 0.05, 0.95],
-            initial_probability: [0.5, 0.5],
-            measurement_variance: [variance; 2],
-            initial_rate_variance: [variance; 2],
-            initial_acceleration_variance: [1.0, 100.0],
-        }
+        Self { sample_rate_hz, noise, pair: SingerPair::defaults(noise.sample_variance(sample_rate_hz)) }
     }
 
     fn visit<V: Visit>(&mut self, visitor: &mut V) {
         visitor.number("sample_rate_hz", &mut self.sample_rate_hz);
         visit_noise(visitor, &mut self.noise);
-        let mut pair = |name, values: &mut [f64]| visit_pair(visitor, name, values);
-        pair("alpha_per_s", &mut self.alpha_per_s);
-        pair("accel_max_dps2", &mut self.accel_max_dps2);
-        pair("transition", &mut self.transition);
-        pair("initial_probability", &mut self.initial_probability);
-        pair("measurement_variance", &mut self.measurement_variance);
-        pair("initial_rate_variance", &mut self.initial_rate_variance);
-        pair("initial_acceleration_variance", &mut self.initial_acceleration_variance);
+        self.pair.visit(visitor);
     }
 
     fn build<T: Real>(&self) -> Result<SingerImmKf<T>, ConfigError> {
         ranges::check(self)?;
         let period = 1.0 / self.sample_rate_hz;
-        check_variances(&self.measurement_variance)?;
-        SingerFigures {
-            alpha_per_s: &self.alpha_per_s,
-            accel_max_dps2: &self.accel_max_dps2,
-            initial_variance: &self.initial_acceleration_variance,
-        }
-        .check()?;
+        let pair = &self.pair;
+        pair.check()?;
         let mut model = [SingerImmModel::NONE; 2];
-        let mut limit = 0.0_f64;
         for (i, model) in model.iter_mut().enumerate() {
-            let (alpha, variance) = (self.alpha_per_s[i], self.measurement_variance[i]);
-            let (rate, start) = (self.initial_rate_variance[i], self.initial_acceleration_variance[i]);
-            let intensity = driving_density(alpha, self.accel_max_dps2[i]);
+            let (alpha, variance) = (pair.alpha_per_s[i], pair.measurement_variance[i]);
+            let (rate, start) = (pair.initial_rate_variance[i], pair.initial_acceleration_variance[i]);
+            let intensity = driving_density(alpha, pair.accel_max_dps2[i]);
             *model = SingerImmModel {
                 alpha: T::of(alpha),
                 step: SingerCoefficients::new(T::of(alpha), T::of(period)).driven_by(T::of(intensity)),
                 measurement_variance: T::of(variance),
                 start_variance: [T::of(rate), T::of(start)],
             };
-            limit = limit.most(variance.root());
         }
-        let transition = transition_matrix(&self.transition)?;
-        let [start_probability, _] = probability_pair(&self.initial_probability)?;
+        let transition = transition_matrix(&pair.transition)?;
+        let [start_probability, _] = probability_pair(&pair.initial_probability)?;
         Ok(SingerImmKf {
             period_s: T::of(period),
             model,
             leave: [transition[0][1], transition[1][0]],
             start_probability,
-            limit: range(limit.least(LARGEST_LEAP_DPS2 * period / RANGE_SIGMAS)),
+            limit: range(pair.largest_deviation().least(LARGEST_LEAP_DPS2 * period / RANGE_SIGMAS)),
         })
-    }
-}
-
-/// Visits a list of fixed length. One value given serves all entries; a wrong count is refused when the filter is built.
-pub(crate) fn visit_pair<V: Visit>(visitor: &mut V, name: &'static str, values: &mut [f64]) {
-    let mut count = values.len();
-    visitor.list(name, values, &mut count);
-    match (count, values.first().copied()) {
-        (1, Some(value)) => values.fill(value),
-        (count, _) if count != values.len() => values.fill(f64::NAN),
-        _ => {}
     }
 }
 
 /// A reading this far away after one period is none: mixing squares the acceleration it means, and time stamps may lie closer still.
 const LARGEST_LEAP_DPS2: f64 = 1e12;
-
-/// Checks that both models speak of the same sensor.
-pub(crate) fn check_variances(pair: &[f64; 2]) -> Result<(), ConfigError> {
-    let range = "within a factor of 1e6 of that of the first model, in";
-    if pair[1].most(pair[0]) <= 1e6 * pair[0].least(pair[1]) {
-        Ok(())
-    } else {
-        Err(ConfigError::new("measurement_variance", pair[1], "(deg/s)^2", range))
-    }
-}
-
-/// What Singer models are made of, each figure in its range.
-pub(crate) struct SingerFigures<'a> {
-    pub(crate) alpha_per_s: &'a [f64],
-    pub(crate) accel_max_dps2: &'a [f64],
-    pub(crate) initial_variance: &'a [f64],
-}
-
-impl SingerFigures<'_> {
-    /// Checks the figures against each other; those of all models, because what one gathers another may carry on.
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        let slowest = self.alpha_per_s.iter().fold(f64::INFINITY, |least, &alpha| alpha.least(least));
-        for &accel_max in self.accel_max_dps2 {
-            ranges::check_swing("accel_max_dps2", accel_max, accel_max, slowest)?;
-        }
-        for &variance in self.initial_variance {
-            ranges::check_swing("initial_acceleration_variance", variance, variance.root(), slowest)?;
-        }
-        Ok(())
-    }
-}
-
-/// Density of the driving noise, 2 alpha A_max^2 / 3.
-pub(crate) fn driving_density(alpha_per_s: f64, accel_max_dps2: f64) -> f64 {
-    2.0 * alpha_per_s * (accel_max_dps2 * accel_max_dps2 / 3.0)
-}
-
-/// Checks a 2 x 2 transition matrix, row by row.
-pub(crate) fn transition_matrix<T: Real>(rows: &[f64; 4]) -> Result<[[T; 2]; 2], ConfigError> {
-    let range = "probabilities whose rows (from each model) sum to 1";
-    let refuse = |value| Err(ConfigError::new("transition", value, "", range));
-    for (stay, leave) in [(rows[0], rows[1]), (rows[2], rows[3])] {
-        if !(0.0..=1.0).contains(&stay) {
-            return refuse(stay);
-        }
-        let sum_off = (stay + leave - 1.0).magnitude();
-        if !(0.0..=1.0).contains(&leave) || sum_off > 1e-9 {
-            return refuse(leave);
-        }
-    }
-    Ok([[T::of(rows[0]), T::of(rows[1])], [T::of(rows[2]), T::of(rows[3])]])
-}
-
-/// Checks two probabilities that sum to 1.
-pub(crate) fn probability_pair<T: Real>(pair: &[f64; 2]) -> Result<[T; 2], ConfigError> {
-    let valid = pair.iter().all(|p| (0.0..=1.0).contains(p)) && (pair[0] + pair[1] - 1.0).magnitude() <= 1e-9;
-    if valid {
-        Ok(pair.map(T::of))
-    } else {
-        Err(ConfigError::new("initial_probability", pair[0], "", "two probabilities that sum to 1"))
-    }
-}

@@ -3,7 +3,7 @@
 //! R. A. Singer, IEEE Trans. AES-6 (1970): state (rate, acceleration), acceleration as a Gauss-Markov process of variance
 //! sigma_m^2 = A_max^2 / 3 (uniform up to the largest acceleration) and time constant 1 / alpha.
 
-use super::singer_imm_kf_settings::{SingerFigures, driving_density};
+use super::singer_pair::{SingerFigures, driving_density};
 use crate::error::ConfigError;
 use crate::filter::{Estimate, Filter, Flags, ModelTrace, Observer, Sample};
 use crate::gaussian::Gaussian2;
@@ -18,6 +18,17 @@ use crate::settings::{Settings, Visit, visit_noise};
 use crate::sound;
 
 /// Settings of [`SingerKf`].
+///
+/// # Example
+/// ```
+/// use stillrate::{GyroNoise, Settings, filters::SingerKfSettings};
+/// let noise = GyroNoise::from_standard_deviation_at_rate(0.1, 50.0);
+/// let settings = SingerKfSettings::defaults(50.0, noise);
+/// assert!((settings.measurement_variance - 0.01).abs() < 1e-15);
+/// let filter = settings.build::<f64>()?;
+/// assert!((filter.intensity - 2.0 * 0.01 * 30.0 * 30.0 / 3.0).abs() < 1e-12); // 2 alpha A_max^2 / 3
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SingerKfSettings {
     /// Nominal sample rate, Hz.
@@ -115,6 +126,20 @@ plain! {
 
 reals! {
     /// State of [`SingerKf`].
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::SingerKfSettings};
+    /// let filter = SingerKfSettings::defaults(50.0, GyroNoise::from_density_two_sided(0.015)).build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for k in 0..100 {
+    ///     filter.step(&mut state, Sample { value: 0.2 * f64::from(k), dt: 0.02 }); // 10 deg/s^2
+    /// }
+    /// let [rate, acceleration] = state.model.mean;
+    /// let coasted = filter.step(&mut state, Sample { value: f64::NAN, dt: 0.02 });
+    /// assert!((coasted.rate - (rate + 0.02 * acceleration)).abs() < 1e-4 && (acceleration - 10.0).abs() < 0.1);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct SingerKfState {
         /// Rate and acceleration.
         pub model: Gaussian2<T>,

@@ -23,6 +23,17 @@ const COVARIANCE: Range =
 const SMALLEST_EXCITATION: f64 = 1e-12;
 
 /// Settings of [`VectorRls`].
+///
+/// # Example
+/// ```
+/// use stillrate::filters::{VectorRls, VectorRlsSettings};
+/// let settings = VectorRlsSettings { forgetting_factor: 0.5, ..Default::default() };
+/// let rls = VectorRls::<f64, 3>::new(settings)?;
+/// assert_eq!((rls.forgetting, rls.initial_covariance), (1.0, 100.0)); // (1 - lambda)/lambda
+/// let endless = VectorRlsSettings { forgetting_factor: 1.5, ..settings };
+/// assert_eq!(VectorRls::<f64, 3>::new(endless).unwrap_err().field, "forgetting_factor");
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VectorRlsSettings {
     /// lambda, in (0, 1]; default 0.999.
@@ -65,6 +76,18 @@ pub struct VectorRls<T, const N: usize> {
 }
 
 /// State of [`VectorRls`]: weights and the factors of P.
+///
+/// # Example
+/// ```
+/// use stillrate::filters::{VectorRls, VectorRlsSettings};
+/// let rls = VectorRls::<f64, 2>::new(VectorRlsSettings { forgetting_factor: 1.0, ..Default::default() })?;
+/// let mut state = rls.start();
+/// assert_eq!((state.trace(), state.covariance()), (200.0, [[100.0, 0.0], [0.0, 100.0]]));
+/// rls.step(&mut state, [3.0, 4.0], 1.0); // says something along (3, 4) only
+/// let p = state.covariance();
+/// assert!((p[0][0] * 3.0 + p[0][1] * 4.0).abs() < 0.2 && state.trace() > 100.0);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct VectorRlsState<T, const N: usize> {
@@ -89,6 +112,19 @@ impl<T: Real, const N: usize> Reals<T> for VectorRlsState<T, N> {
 }
 
 /// What one step of [`VectorRls`] saw.
+///
+/// # Example
+/// ```
+/// use stillrate::{Flags, filters::{VectorRls, VectorRlsSettings}};
+/// let rls = VectorRls::<f64, 1>::new(VectorRlsSettings::default())?;
+/// let mut state = rls.start();
+/// rls.step(&mut state, [1.0], 3.0);
+/// let estimate = rls.step(&mut state, [2.0], 7.0);
+/// assert!((estimate.prediction - 6.0).abs() < 0.1); // from what was known before
+/// assert_eq!(estimate.prediction + estimate.innovation, 7.0);
+/// assert_eq!(rls.step(&mut state, [2.0], f64::NAN).flags, Flags::MISSING);
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VectorRlsEstimate<T> {
     /// phi' w before the sample was used; 0 where phi is not finite.

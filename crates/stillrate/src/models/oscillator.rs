@@ -3,7 +3,7 @@
 //! (d^2/dt^2 + omega^2)^2 w = white noise, state (w, w', w'', w'''). The impulse responses of the four derivatives are
 //! h0 = (sin x - x cos x) / (2 omega^3), h1 = t sin x / (2 omega), h2 = (sin x + x cos x) / (2 omega),
 //! h3 = cos x - x sin x / 2 with x = omega t, and h_k = -2 omega^2 h_(k-2) - omega^4 h_(k-4) from there on. They give the transition
-//! F[r,:] = [h_(r+3) + 2 omega^2 h_(r+1), h_(r+2) + 2 omega^2 h_r, h_(r+1), h_r], and the process noise is the integral of
+//! whose row r is [h_(r+3) + 2 omega^2 h_(r+1), h_(r+2) + 2 omega^2 h_r, h_(r+1), h_r], and the process noise is the integral of
 //! h h' over the step, by four-point Gauss-Legendre quadrature (positive semidefinite by construction).
 
 use crate::gaussian::outer;
@@ -98,7 +98,7 @@ impl<T: Real> OscillatorStep<T> {
     /// forgotten, no noise.
     #[must_use]
     #[inline(always)]
-    pub fn unless_forgotten(self, phase_known: bool) -> Self {
+    pub(crate) fn unless_forgotten(self, phase_known: bool) -> Self {
         let zero = T::ZERO;
         let forgetful = Self {
             from_rate: [T::ONE, zero, zero, zero],
@@ -131,19 +131,20 @@ impl<T: Real> OscillatorStep<T> {
 mod tests {
     use super::*;
 
+    fn transition(step: &OscillatorStep<f64>) -> nalgebra::Matrix4<f64> {
+        nalgebra::Matrix4::from_fn(|row, column| match column {
+            0 => step.from_rate[row],
+            1 => step.from_acceleration[row],
+            2 => step.response[row + 1],
+            _ => step.response[row],
+        })
+    }
+
     #[test]
     fn two_half_steps_make_a_whole_one() {
-        let matrix = |step: &OscillatorStep<f64>| {
-            nalgebra::SMatrix::<f64, 4, 4>::from_fn(|row, column| match column {
-                0 => step.from_rate[row],
-                1 => step.from_acceleration[row],
-                2 => step.response[row + 1],
-                _ => step.response[row],
-            })
-        };
         for omega in [1.2, 6.3, 30.0] {
-            let half = matrix(&OscillatorStep::new(omega, 0.01));
-            let whole = matrix(&OscillatorStep::new(omega, 0.02));
+            let half = transition(&OscillatorStep::new(omega, 0.01));
+            let whole = transition(&OscillatorStep::new(omega, 0.02));
             let scale = whole.abs().max();
             assert!((half * half - whole).abs().max() < 4e-15 * scale, "omega {omega}");
         }
@@ -161,13 +162,8 @@ mod tests {
         };
         let step = OscillatorStep::new(6.3, 0.01);
         let whole = unpack(&OscillatorStep::new(6.3, 0.02));
-        let transition = nalgebra::SMatrix::<f64, 4, 4>::from_fn(|row, column| match column {
-            0 => step.from_rate[row],
-            1 => step.from_acceleration[row],
-            2 => step.response[row + 1],
-            _ => step.response[row],
-        });
-        let sum = transition * unpack(&step) * transition.transpose() + unpack(&step);
+        let forward = transition(&step);
+        let sum = forward * unpack(&step) * forward.transpose() + unpack(&step);
         for (a, b) in sum.iter().zip(whole.iter()) {
             assert!((a - b).abs() < 3e-5 * 0.016 * 2.0 * b.abs(), "{a} {b}");
         }

@@ -207,14 +207,14 @@ impl<T: Real> SingerCoefficients<T> {
     /// With the process noise of driving noise of spectral density `intensity` instead of 1.
     #[must_use]
     #[inline(always)]
-    pub fn driven_by(self, intensity: T) -> Self {
+    pub(crate) fn driven_by(self, intensity: T) -> Self {
         Self { q11: intensity * self.q11, q12: intensity * self.q12, q22: intensity * self.q22, ..self }
     }
 
     /// The density given to [`SingerCoefficients::driven_by`].
     #[must_use]
     #[inline(always)]
-    pub fn intensity(&self) -> T {
+    pub(crate) fn intensity(&self) -> T {
         self.q22 / (self.r * ((T::ONE + self.s) * T::HALF))
     }
 }

@@ -9,6 +9,17 @@ use crate::real::Real;
 use crate::settings::{Settings, Visit, visit_noise};
 
 /// Settings of [`MsImmIkf`]. Only the sample rate and the noise must be given.
+///
+/// # Example
+/// ```
+/// use stillrate::{Filter, GyroNoise, Settings, filters::MsImmIkfSettings};
+/// let settings = MsImmIkfSettings::defaults(100.0, GyroNoise::from_density_two_sided(0.015));
+/// assert_eq!(settings.ladder_hz[..settings.ladder_count], [2.0, 8.0, 32.0, 128.0]);
+/// let light = MsImmIkfSettings { oscillator_count: 0, bandwidth_hz: 10.0, ..settings.clone() };
+/// assert_eq!(settings.build::<f64>()?.models(), 1 + 4 + 4); // a random walk, rungs, oscillators
+/// assert_eq!(light.build::<f64>()?.models(), 1 + 3); // the widest rung stays
+/// # Ok::<(), stillrate::ConfigError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MsImmIkfSettings {
     /// Nominal sample rate, Hz.
@@ -91,7 +102,64 @@ impl Settings for MsImmIkfSettings {
     }
 
     fn build<T: Real>(&self) -> Result<MsImmIkf<T>, ConfigError> {
-        MsImmIkf::new(self)
+        ranges::check(self)?;
+        let (rate, noise) = (self.sample_rate_hz, self.noise);
+        let period = 1.0 / rate;
+        let variance = noise.sample_variance(rate);
+        let walk = noise.rate_random_walk_dps_sqrt_s;
+        let (dwell, rest_dwell) = (self.dwell_time_s * rate, self.rest_dwell_time_s * rate);
+        let (saturation, refresh) = (self.saturation_dps, self.refresh_s);
+        let outlier = self.outlier_probability;
+        let (rung_count, rung_intensity, rung_counts_in) = rungs(self, variance)?;
+        let mut oscillator_intensity = [0.0; OSCILLATORS];
+        let oscillator_count = self.oscillator_count.min(OSCILLATORS);
+        for (intensity, width) in oscillator_intensity.iter_mut().zip(self.oscillators).take(oscillator_count) {
+            if width * period > WIDEST_OSCILLATOR {
+                let range = "at most 1e5 times sample_rate_hz, in";
+                return Err(ConfigError::new("oscillators", width, "rad/s", range));
+            }
+            let width = width * period;
+            *intensity = 16.0 * variance * width * width * width * width;
+        }
+        let angle_max = 0.5 * core::f64::consts::PI;
+        // 1.2 rad/s, but always below the upper limit, also at a few samples an hour.
+        let angle_min = (1.2 * period).least(0.5 * angle_max);
+        let missing_acceleration = core::f64::consts::SQRT_2 * variance * cube(core::f64::consts::TAU * 16.0 * period);
+        let others = (rung_count + oscillator_count) as f64;
+        let filter = MsImmIkf {
+            period_s: T::of(period),
+            measurement_variance: T::of(variance),
+            noise_share: T::of(NOISE_SHARE * variance * period),
+            limit: range(variance.root()),
+            walk_variance: T::of(walk * walk * period),
+            missing_acceleration: T::of(missing_acceleration),
+            start_variance: [
+                T::of(1e3 * missing_acceleration * period * period),
+                T::of(1e6 * missing_acceleration * cube(period) * period),
+            ],
+            rung_count: rung_count as u32,
+            oscillator_count: oscillator_count as u32,
+            rung_intensity: rung_intensity.map(T::of),
+            rung_counts_in: rung_counts_in.map(T::of),
+            oscillator_intensity: oscillator_intensity.map(T::of),
+            derivative_cap: T::of(self.derivative_cap).least(T::LARGEST),
+            memory: FrequencyMemory {
+                frequency_periods: T::of(self.frequency_memory_s * rate),
+                variance_periods: T::of(self.variance_memory_s * rate),
+                angle_min: T::of(angle_min),
+                angle_max: T::of(angle_max),
+                rate_square_min: T::of(1e-8 * variance),
+            },
+            start_angle: T::of((START_FREQUENCY_RAD_S * period).limited(angle_min, angle_max)),
+            refresh_samples: T::of(f64::from((refresh * rate + 1e-9).least(16_000_000.0).most(1.0) as u32)),
+            outlier_probability: T::of(outlier),
+            saturation: T::of(saturation).least(T::LARGEST),
+            dwell_periods: T::of(dwell),
+            rest_dwell_periods: T::of(rest_dwell),
+            share: T::of(1.0 / others),
+            nominal: Pace::ZERO,
+        };
+        Ok(MsImmIkf { nominal: filter.pace(T::ONE), ..filter })
     }
 }
 
@@ -122,73 +190,6 @@ fn ladder(sample_rate_hz: f64) -> ([f64; RUNGS], usize) {
 const WIDEST_RUNG: f64 = 1e4;
 /// Width of an oscillator in radians a sample at most.
 const WIDEST_OSCILLATOR: f64 = 1e5;
-
-impl<T: Real> MsImmIkf<T> {
-    /// Checks the settings and computes everything that does not change from sample to sample.
-    ///
-    /// # Errors
-    /// [`ConfigError`] that names the first setting that cannot be used.
-    pub fn new(settings: &MsImmIkfSettings) -> Result<Self, ConfigError> {
-        ranges::check(settings)?;
-        let (rate, noise) = (settings.sample_rate_hz, settings.noise);
-        let period = 1.0 / rate;
-        let variance = noise.sample_variance(rate);
-        let walk = noise.rate_random_walk_dps_sqrt_s;
-        let (dwell, rest_dwell) = (settings.dwell_time_s * rate, settings.rest_dwell_time_s * rate);
-        let (saturation, refresh) = (settings.saturation_dps, settings.refresh_s);
-        let outlier = settings.outlier_probability;
-        let (rung_count, rung_intensity, rung_counts_in) = rungs(settings, variance)?;
-        let mut oscillator_intensity = [0.0; OSCILLATORS];
-        let oscillator_count = settings.oscillator_count.min(OSCILLATORS);
-        for (intensity, width) in oscillator_intensity.iter_mut().zip(settings.oscillators).take(oscillator_count) {
-            if width * period > WIDEST_OSCILLATOR {
-                let range = "at most 1e5 times sample_rate_hz, in";
-                return Err(ConfigError::new("oscillators", width, "rad/s", range));
-            }
-            let width = width * period;
-            *intensity = 16.0 * variance * width * width * width * width;
-        }
-        let angle_max = 0.5 * core::f64::consts::PI;
-        // 1.2 rad/s, but always below the upper limit, also at a few samples an hour.
-        let angle_min = (1.2 * period).least(0.5 * angle_max);
-        let missing_acceleration = core::f64::consts::SQRT_2 * variance * cube(core::f64::consts::TAU * 16.0 * period);
-        let others = (rung_count + oscillator_count) as f64;
-        let filter = Self {
-            period_s: T::of(period),
-            measurement_variance: T::of(variance),
-            noise_share: T::of(NOISE_SHARE * variance * period),
-            limit: range(variance.root()),
-            walk_variance: T::of(walk * walk * period),
-            missing_acceleration: T::of(missing_acceleration),
-            start_variance: [
-                T::of(1e3 * missing_acceleration * period * period),
-                T::of(1e6 * missing_acceleration * cube(period) * period),
-            ],
-            rung_count: rung_count as u32,
-            oscillator_count: oscillator_count as u32,
-            rung_intensity: rung_intensity.map(T::of),
-            rung_counts_in: rung_counts_in.map(T::of),
-            oscillator_intensity: oscillator_intensity.map(T::of),
-            derivative_cap: T::of(settings.derivative_cap).least(T::LARGEST),
-            memory: FrequencyMemory {
-                frequency_periods: T::of(settings.frequency_memory_s * rate),
-                variance_periods: T::of(settings.variance_memory_s * rate),
-                angle_min: T::of(angle_min),
-                angle_max: T::of(angle_max),
-                rate_square_min: T::of(1e-8 * variance),
-            },
-            start_angle: T::of((START_FREQUENCY_RAD_S * period).limited(angle_min, angle_max)),
-            refresh_samples: T::of(f64::from((refresh * rate + 1e-9).least(16_000_000.0).most(1.0) as u32)),
-            outlier_probability: T::of(outlier),
-            saturation: T::of(saturation).least(T::LARGEST),
-            dwell_periods: T::of(dwell),
-            rest_dwell_periods: T::of(rest_dwell),
-            share: T::of(1.0 / others),
-            nominal: Pace::ZERO,
-        };
-        Ok(Self { nominal: filter.pace(T::ONE), ..filter })
-    }
-}
 
 fn cube(x: f64) -> f64 {
     x * x * x

@@ -18,6 +18,21 @@ use crate::sound;
 
 reals! {
     /// State of a weighted mean.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::RandomWalkKfSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.01);
+    /// let settings = RandomWalkKfSettings { variance_ratio: 0.0, ..RandomWalkKfSettings::defaults(200.0, noise) }; // a constant
+    /// let filter = settings.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for value in [1.0, 2.0, 6.0] {
+    ///     filter.step(&mut state, Sample { value, dt: 0.005 });
+    /// }
+    /// assert_eq!((state.level, state.weight), (3.0, 3.0)); // the mean of three samples
+    /// assert!((state.noise_gain - 1.0 / 3.0).abs() < 1e-15);
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct LevelState {
         /// The mean.
         pub level: T,

@@ -14,6 +14,22 @@ use crate::sound;
 
 reals! {
     /// State of a weighted line.
+    ///
+    /// # Example
+    /// ```
+    /// use stillrate::{Filter, GyroNoise, Sample, Settings, filters::RecursiveLeastSquaresSettings};
+    /// let noise = GyroNoise::from_density_two_sided(0.01);
+    /// let settings = RecursiveLeastSquaresSettings { order: 2.0, ..Settings::defaults(200.0, noise) };
+    /// let filter = settings.build::<f64>()?;
+    /// let mut state = filter.start();
+    /// for k in 0..50 {
+    ///     filter.step(&mut state, Sample { value: 0.5 * f64::from(k), dt: 0.005 });
+    /// }
+    /// let line = state.line;
+    /// assert!((line.level - 24.5).abs() < 1e-11); // a ramp without lag
+    /// assert!((line.slope - 0.5).abs() < 1e-12); // a period, not a second
+    /// # Ok::<(), stillrate::ConfigError>(())
+    /// ```
     pub struct LineState {
         /// Level now (of the fitted line, gaps included).
         pub level: T,
