@@ -64,8 +64,8 @@ def test_every_figure_is_drawn_and_nothing_is_asked_of_the_network(page, short, 
     page.open(short[0], width=width, height=844, dark=dark)
     page.settle()
     for figure in ("rate", "difference", "probability", "frequency", "spectrum", "allan"):
-        if not page.ask(f"document.getElementById('{figure}').hidden"):
-            assert page.ask(f"{INK}('{figure}')") > 0.01, figure
+        assert not page.ask(f"document.getElementById('{figure}').hidden"), figure
+        assert page.ask(f"{INK}('{figure}')") > 0.01, figure
     assert page.ask("document.getElementById('failed').textContent") == ""
     assert page.errors == []
     assert page.requests == [short[0].resolve().as_uri()]
