@@ -80,7 +80,7 @@ lint: .venv/.test-tools
 	cargo fmt --check
 	for crate in $(APART); do cargo fmt --check --manifest-path $$crate/Cargo.toml || exit 1; done
 	cargo clippy --workspace --all-targets --quiet -- -D warnings
-	.venv/bin/ruff check python tests benches docs examples
+	.venv/bin/ruff check python tests benches docs examples crates
 	.venv/bin/ruff format --check python tests benches docs examples
 	.venv/bin/mypy
 	.venv/bin/stubtest stillrate._native --mypy-config-file pyproject.toml --allowlist tests/stubtest.txt

@@ -1,8 +1,7 @@
 """Logs in and out: one format a file, found by the name's ending.
 
-A format is a module with ``SUFFIXES``, ``read(path) -> Table`` and, if it can be written,
-``write(path, table, force=)``.
-It is imported when a file of its kind is met.
+A format is a module with ``read(path) -> Table`` and, if it can be written, ``write(path, table, force=)``. It is imported
+when a file of its kind is met.
 """
 
 from __future__ import annotations

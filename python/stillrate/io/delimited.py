@@ -17,8 +17,6 @@ from stillrate.errors import LogError
 from stillrate.io.safely import atomic, within_bounds
 from stillrate.io.table import Table
 
-SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".log")
-
 
 def metadata_path(path: Path) -> Path:
     """Return where the metadata of a delimited file stands."""

@@ -15,8 +15,6 @@ from stillrate.io.arrays import to_table
 from stillrate.io.safely import MAX_BYTES, atomic, first_line, within_bounds
 from stillrate.io.table import Table
 
-SUFFIXES = (".npz",)
-
 
 def read(path: Path) -> Table:
     """Read an npz file."""

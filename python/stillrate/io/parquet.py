@@ -12,7 +12,6 @@ from stillrate.errors import LogError
 from stillrate.io.safely import atomic, first_line, needs, within_bounds
 from stillrate.io.table import Table
 
-SUFFIXES = (".parquet", ".pq")
 KEY = "stillrate"
 
 

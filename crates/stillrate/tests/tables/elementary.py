@@ -34,9 +34,9 @@ def fit(function, low, high, terms, bits):
         powers = range(done, terms)
         system = matrix(terms - done, terms - done)
         right = matrix(terms - done, 1)
-        rest = [v - sum(c * x**k for k, c in enumerate(coefficients)) for x, v in zip(nodes, values)]
+        rest = [v - sum(c * x**k for k, c in enumerate(coefficients)) for x, v in zip(nodes, values, strict=True)]
         for i, p in enumerate(powers):
-            right[i] = sum(r * x**p for x, r in zip(nodes, rest))
+            right[i] = sum(r * x**p for x, r in zip(nodes, rest, strict=True))
             for j, q in enumerate(powers):
                 system[i, j] = sum(x ** (p + q) for x in nodes)
         coefficients.append(rounded(lu_solve(system, right)[0], bits))
