@@ -74,8 +74,10 @@ fn setting_range(method: &str, name: &str) -> Option<(f64, f64, &'static str, &'
 struct Filter {
     runner: Mutex<Box<dyn Runner>>,
     config: Py<PyAny>,
+    /// How many signals run side by side.
     #[pyo3(get)]
     channels: usize,
+    /// Number type of the computation and of the output, "float64" or "float32".
     #[pyo3(get)]
     dtype: &'static str,
 }
