@@ -1,4 +1,4 @@
-# Everything here works on a fresh machine with Python >= 3.11 (venv) and a Rust toolchain.
+# Everything here works on a fresh machine with Python >= 3.11 (venv) and Rust >= 1.89; benches need gcc as well.
 .PHONY: demo test test-rust test-instructions test-python test-long test-proofs test-embedded coverage fuzz bench docs test-docs package lint build clean
 PY := .venv/bin/python
 STAMP := .venv/.installed
@@ -73,12 +73,17 @@ bench: $(STAMP)
 package: .venv/.tools
 	$(PY) tests/install_check.py dist
 
+# Crates that are no members of the workspace, for its tools.
+APART := examples/own_model benches/kfilter crates/stillrate-c/abi fuzz
+
 lint: .venv/.test-tools
 	cargo fmt --check
+	for crate in $(APART); do cargo fmt --check --manifest-path $$crate/Cargo.toml || exit 1; done
 	cargo clippy --workspace --all-targets --quiet -- -D warnings
-	.venv/bin/ruff check python tests benches docs examples
+	.venv/bin/ruff check python tests benches docs examples crates
 	.venv/bin/ruff format --check python tests benches docs examples
 	.venv/bin/mypy
+	.venv/bin/stubtest stillrate._native --mypy-config-file pyproject.toml --allowlist tests/stubtest.txt
 
 clean:
 	rm -rf target .venv dist site docs/generated

@@ -7,30 +7,36 @@ Figures are nanoseconds a sample and channel. Compare ratios, not times: only th
 
 from __future__ import annotations
 
-import ctypes
 import json
 import math
 import platform
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
+import numba_imm
 import numpy as np
 import others
 import recursions
 import stillrate as sr
+import tables
+from textbook_c import (
+    ACCEL_MAX,
+    ALPHA,
+    EVEN,
+    PERIOD_S,
+    START_ACCELERATION,
+    TRANSITION,
+    VARIANCE,
+    TextbookC,
+    singer_matrices,
+)
+from timing import ROUNDS, Table
 
-HERE = Path(__file__).parent
-RATE_HZ, PERIOD_S = 1000.0, 0.001
-ALPHA, ACCEL_MAX = (0.001, 0.01), (1.5, 30.0)
-VARIANCE, START_ACCELERATION = 0.2, (1.0, 100.0)
-TRANSITION, EVEN = np.array([[0.95, 0.05], [0.05, 0.95]]), np.array([0.5, 0.5])
-ROUNDS = 9
-AGREEMENT = 1e-9
+RATE_HZ = 1.0 / PERIOD_S
 
 
 def noise() -> sr.GyroNoise:
@@ -61,94 +67,10 @@ def one_model() -> sr.SingerKf:
     )
 
 
-def singer_matrices(model: int) -> tuple[np.ndarray, np.ndarray]:
-    c = sr.singer_coefficients(ALPHA[model], PERIOD_S)
-    intensity = 2.0 * ALPHA[model] * ACCEL_MAX[model] ** 2 / 3.0
-    return np.array([[1.0, c.r], [0.0, c.s]]), intensity * np.array([[c.q11, c.q12], [c.q12, c.q22]])
-
-
 def signal(n: int, channels: int | None = None) -> np.ndarray:
     shape = n if channels is None else (n, channels)
     wave = 5.0 * np.sin(np.arange(n) * (2 * math.pi * 1.3 / RATE_HZ))
     return np.random.default_rng(1).normal(0.0, 0.45, shape) + (wave if channels is None else wave[:, None])
-
-
-class TextbookC:
-    """The kernels of textbook/kernels.c at gcc -O3."""
-
-    def __init__(self, folder: Path) -> None:
-        library = folder / "kernels.so"
-        sources = [HERE / "textbook" / "kernels.c", HERE / "textbook" / "any_size.c"]
-        subprocess.run(["gcc", "-O3", "-shared", "-fPIC", "-o", library, *sources, "-lm"], check=True)
-        self.library = ctypes.CDLL(str(library))
-        self.models = [singer_matrices(0), singer_matrices(1)]
-
-    def imm(self, z: np.ndarray) -> np.ndarray:
-        out = np.empty_like(z)
-        start = np.array([[VARIANCE, START_ACCELERATION[0]], [VARIANCE, START_ACCELERATION[1]]])
-        f = np.array([model[0] for model in self.models])
-        q = np.array([model[1] for model in self.models])
-        self._call(self.library.imm, z, out, f, q, np.array([VARIANCE, VARIANCE]), TRANSITION, start, EVEN)
-        return out
-
-    def imm_of_any_size(self, z: np.ndarray) -> np.ndarray:
-        out = np.empty_like(z)
-        start = np.array([np.diag([VARIANCE, START_ACCELERATION[0]]), np.diag([VARIANCE, START_ACCELERATION[1]])])
-        f = np.array([model[0] for model in self.models])
-        q = np.array([model[1] for model in self.models])
-        arrays = (z, out, f, q, np.array([VARIANCE, VARIANCE]), TRANSITION, start, EVEN)
-        at = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
-        self.library.imm_of_any_size(ctypes.c_int(2), ctypes.c_int(2), ctypes.c_long(len(z)), *at)
-        return out
-
-    def kalman(self, z: np.ndarray) -> np.ndarray:
-        out = np.empty_like(z)
-        start = np.array([VARIANCE, START_ACCELERATION[1]])
-        pointers = [ctypes.c_void_p(array.ctypes.data) for array in (z, out, *self.models[1])]
-        self.library.kalman(
-            ctypes.c_long(len(z)), *pointers, ctypes.c_double(VARIANCE), ctypes.c_void_p(start.ctypes.data)
-        )
-        return out
-
-    @staticmethod
-    def _call(function: Callable[..., None], z: np.ndarray, *arrays: np.ndarray) -> None:
-        function(ctypes.c_long(len(z)), *(ctypes.c_void_p(array.ctypes.data) for array in (z, *arrays)))
-
-
-class Table:
-    """Things to be timed against each other, each with the number of samples it handles in a call."""
-
-    def __init__(self) -> None:
-        self.cases: dict[str, tuple[Callable[[], object], int]] = {}
-        self.missing: dict[str, str] = {}
-
-    def add(self, name: str, call: Callable[[], object], samples: int) -> None:
-        self.cases[name] = (call, samples)
-
-    def add_checked(
-        self, name: str, call: Callable[[], np.ndarray], expected: np.ndarray, agreement: float = AGREEMENT
-    ) -> None:
-        """Adds a case whose output must agree with the expected one; records why if it cannot."""
-        try:
-            found = np.asarray(call(), dtype=float)
-        except Exception as problem:
-            self.missing[name] = f"{type(problem).__name__}: {problem}"[:160]
-            return
-        off = float(np.max(np.abs(found.ravel() - expected.ravel()))) if found.size == expected.size else math.inf
-        if off > agreement * max(1.0, float(np.max(np.abs(expected)))):
-            self.missing[name] = f"outputs differ by {off:.2g}"
-            return
-        self.add(name, call, expected.size)
-
-    def run(self) -> dict[str, float]:
-        """Nanoseconds a sample: the minimum over interleaved rounds."""
-        best = dict.fromkeys(self.cases, math.inf)
-        for _ in range(ROUNDS):
-            for name, (call, samples) in self.cases.items():
-                start = time.perf_counter_ns()
-                call()
-                best[name] = min(best[name], (time.perf_counter_ns() - start) / samples)
-        return best
 
 
 def run_of(config: sr.Config, channels: int = 1, dtype: str = "float64") -> Callable[[np.ndarray], np.ndarray]:
@@ -166,12 +88,10 @@ def imm_table(c: TextbookC, table: Table) -> None:
     table.add_checked("IMM: textbook C, gcc -O3", lambda: c.imm(z), expected)
     table.add_checked("IMM: textbook C, sizes as arguments", lambda: c.imm_of_any_size(z), expected)
     table.add_checked("IMM: stillrate, 1 channel f64", lambda: ours(z), expected)
-    numba = others.numba_imm(models, VARIANCE, TRANSITION, EVEN, START_ACCELERATION)
-    table.add_checked("IMM: numba", lambda: numba(z), expected)
-    general = others.numba_imm_of_any_size(models, VARIANCE, TRANSITION, EVEN, START_ACCELERATION)
-    table.add_checked("IMM: numba, sizes as arguments", lambda: general(z), expected)
-    filterpy = others.filterpy_imm(models, VARIANCE, TRANSITION, EVEN, START_ACCELERATION)
-    table.add_checked("IMM: filterpy", lambda: filterpy(short), expected_short)
+    given = (models, VARIANCE, TRANSITION, EVEN, START_ACCELERATION)
+    table.add_peer("IMM: numba", lambda: numba_imm.unrolled(*given), z, expected)
+    table.add_peer("IMM: numba, sizes as arguments", lambda: numba_imm.any_size(*given), z, expected)
+    table.add_peer("IMM: filterpy", lambda: others.filterpy_imm(*given), short, expected_short)
     bank = sr.MsImmIkf(sample_rate_hz=RATE_HZ, noise=noise())
     light = sr.MsImmIkf(sample_rate_hz=RATE_HZ, noise=noise(), oscillators=())
     for name, config in (("IMM", two_models()), ("bank", bank), ("light bank", light)):
@@ -192,12 +112,7 @@ def single_table(c: TextbookC, table: Table) -> None:
     table.add_checked("Kalman: textbook C, gcc -O3", lambda: c.kalman(z), expected)
     table.add_checked("Kalman: stillrate", lambda: ours(z), expected)
     for name, make in others.KALMAN.items():
-        try:
-            call = make(f, q, VARIANCE, start)
-        except Exception as problem:
-            table.missing[f"Kalman: {name}"] = f"{type(problem).__name__}: {problem}"[:160]
-            continue
-        table.add_checked(f"Kalman: {name}", lambda call=call: call(short), expected_short)
+        table.add_peer(f"Kalman: {name}", lambda make=make: make(f, q, VARIANCE, start), short, expected_short)
 
 
 def lowpass_table(table: Table) -> None:
@@ -219,29 +134,24 @@ def streaming_table(table: Table) -> None:
     axes = signal(20_000, 3).tolist()
     one, three = sr.Filter(two_models()), sr.Filter(two_models(), channels=3)
 
-    def loop(function: Callable[[float], object]) -> Callable[[], None]:
-        def run() -> None:
-            for value in values:
-                function(value)
-
-        return run
-
     def loop_of_three() -> None:
         update = three.update
         for a, b, c in axes:
             update(a, b, c)
 
-    table.add("call: math.sin", loop(math.sin), len(values))
-    table.add("call: stillrate update, one float", loop(one.update), len(values))
+    table.add_call("call: math.sin", lambda: math.sin, values)
+    table.add_call("call: stillrate update, one float", lambda: one.update, values)
     table.add("call: stillrate update, three floats", loop_of_three, len(axes))
-    for name, function in others.streaming(PERIOD_S).items():
-        table.add(f"call: {name}", loop(function), len(values))
+    for name, make in others.CALLS.items():
+        table.add_call(f"call: {name}", lambda make=make: make(PERIOD_S), values)
 
 
 def allan_table(table: Table) -> None:
     z = signal(1_000_000)
     table.add("Allan octave: stillrate", lambda: sr.allan(z, RATE_HZ), z.size)
-    table.add("Allan octave: allantools", lambda: others.allantools_octave(z, RATE_HZ), z.size)
+    allantools = table.tried("Allan octave: allantools", others.allantools_octave)
+    if allantools is not None:
+        table.add("Allan octave: allantools", lambda: allantools(z, RATE_HZ), z.size)
 
 
 def import_milliseconds() -> dict[str, float]:
@@ -281,10 +191,8 @@ def main() -> None:
     rounded = {name: round(value, 3) for name, value in found.items()}
     results = {"machine": machine(), "rounds": ROUNDS, "ns_per_sample": rounded, "left_out": table.missing}
     results["import_ms"] = {name: round(value, 1) for name, value in import_milliseconds().items()}
-    (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
-    import tables
-
-    tables.write(results, HERE / "README.md", HERE / "instructions.json")
+    tables.RESULTS.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    tables.write()
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ of the samples, residual tests, Cramer-Rao bound, weak directions.
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable
 
 # One core for everybody.
@@ -18,21 +17,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import gimbal_numba as port
 import numpy as np
 import stillrate as sr
+from timing import best
 
 ROUNDS = 25
 SIGMA = 1e-6
 HEAD = sr.gimbal.Head(refined=False, robust=False, every=10**6)
-
-
-def best(functions: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """Return the shortest time of each function over interleaved rounds, ms."""
-    shortest = dict.fromkeys(functions, float("inf"))
-    for _ in range(ROUNDS):
-        for name, function in functions.items():
-            start = time.perf_counter()
-            function()
-            shortest[name] = min(shortest[name], 1e3 * (time.perf_counter() - start))
-    return shortest
 
 
 def agree(name: str, ours: np.ndarray, theirs: np.ndarray, scale: np.ndarray) -> None:
@@ -75,7 +64,7 @@ def main() -> None:
         "numba relinearised, tight": lambda: port.relinearised(*common, False),
         "numba relinearised, dense": lambda: port.relinearised(*common, True),
     }
-    found = best(functions)
+    found = {name: 1e3 * seconds for name, seconds in best(functions, ROUNDS).items()}
     for name, ms in found.items():
         print(f"{name:42s} {ms:8.2f} ms")
     print(f"single pass: {found['on-line, f64']:.2f} ms (goal <= 12)")

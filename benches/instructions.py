@@ -1,7 +1,7 @@
 """Counts the instructions of a step of every filter with callgrind and compares them with the committed table.
 
 python benches/instructions.py            # fails where a filter became more than 3 % slower
-python benches/instructions.py --update   # writes the table
+python benches/instructions.py --update   # writes the table, and README.md anew
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+import tables
+
 HERE = Path(__file__).parent
-TABLE = HERE / "instructions.json"
 ALLOWED = 0.03
 
 
@@ -25,9 +26,11 @@ def main(arguments: list[str]) -> int:
         return 0
     counts, compiler = count(), rustc_version()
     if "--update" in arguments:
-        TABLE.write_text(json.dumps({"rustc": compiler, "per_sample": counts}, indent=1) + "\n", encoding="utf-8")
+        found = {"rustc": compiler, "per_sample": counts}
+        tables.COUNTS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        tables.write()
         return 0
-    table = json.loads(TABLE.read_text(encoding="utf-8"))
+    table = json.loads(tables.COUNTS.read_text(encoding="utf-8"))
     if table["rustc"] != compiler:
         print(f"instruction counts: skipped, the table was made with {table['rustc']}, this is {compiler}")
         return 0
@@ -54,8 +57,7 @@ def count() -> dict[str, float]:
     # A member of the workspace: elsewhere the folder's own name would change symbols, and with them the inlining.
     build = ["cargo", "build", "--release", "--quiet", "--package", "stillrate-instructions"]
     subprocess.run(build, cwd=HERE.parent, check=True)
-    target = Path(os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target"))
-    program = target / "release" / "stillrate-instructions"
+    program = HERE.parent / os.environ.get("CARGO_TARGET_DIR", "target") / "release" / "stillrate-instructions"
     cases = subprocess.run([program, "list"], check=True, capture_output=True, text=True).stdout.splitlines()
     counts = {}
     with tempfile.TemporaryDirectory() as folder:

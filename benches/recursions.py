@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import stillrate as sr
+from others import Filter
 
-Filter = Callable[[np.ndarray], np.ndarray]
 CUTOFF_HZ, TAU_S = 20.0, 0.1
 # Timed on a short record of one channel.
 SLOW = ("padasip FilterRLS",)
@@ -46,16 +45,20 @@ def scipy_settled_mean(factor: float) -> Filter:
 
 
 def pandas_mean(factor: float) -> Filter:
-    import pandas
+    def run(z: np.ndarray) -> np.ndarray:
+        import pandas
 
-    return lambda z: pandas.DataFrame(z).ewm(alpha=1.0 - factor, adjust=True).mean().to_numpy()
+        return pandas.DataFrame(z).ewm(alpha=1.0 - factor, adjust=True).mean().to_numpy()
+
+    return run
 
 
 def padasip_mean(factor: float) -> Filter:
     """Recursive least squares with one weight and a constant regressor; its start is a large but finite covariance."""
-    import padasip
 
     def run(z: np.ndarray) -> np.ndarray:
+        import padasip
+
         one = padasip.filters.FilterRLS(n=1, mu=factor, eps=1e-8, w="zeros")
         out, regressor = np.empty(len(z)), np.ones(1)
         for t, value in enumerate(z.ravel()):

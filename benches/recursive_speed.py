@@ -5,25 +5,13 @@ Run with ``python benches/recursive_speed.py``; every figure is the best of seve
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import stillrate as sr
 from scipy.signal import lfilter
+from timing import best
 
 ROUNDS = 15
 SAMPLES = 400_000
-
-
-def best(functions: dict[str, object]) -> dict[str, float]:
-    """Return the shortest time of each function over interleaved rounds, s."""
-    shortest = dict.fromkeys(functions, float("inf"))
-    for _ in range(ROUNDS):
-        for name, function in functions.items():
-            start = time.perf_counter()
-            function()
-            shortest[name] = min(shortest[name], time.perf_counter() - start)
-    return shortest
 
 
 def main() -> None:
@@ -61,7 +49,8 @@ def main() -> None:
             "CUSUM": lambda: cusum.run(x),
             "FIR, 40 taps": lambda: fir.run(x),
             "reference bias, 2.5 s at 200 Hz": lambda: sr.reference_bias(gyro, 0.005, [0, 500], fixes, 0.9),
-        }
+        },
+        ROUNDS,
     )
     for name, seconds in found.items():
         if name.startswith("reference"):

@@ -1,4 +1,4 @@
-"""Writes the tables of README.md from the results of bench.py and the instruction counts."""
+"""Writes README.md from the results of bench.py and the counts of instructions.py; both call it when they have written theirs."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+PAGE, RESULTS, COUNTS = (Path(__file__).with_name(name) for name in ("README.md", "results.json", "instructions.json"))
 TEXTBOOK, UNROLLED = "IMM: textbook C, sizes as arguments", "IMM: textbook C, gcc -O3"
 NUMBA, NUMBA_UNROLLED = "IMM: numba, sizes as arguments", "IMM: numba"
 FILTERPY = "IMM: filterpy"
@@ -43,9 +44,14 @@ TARGETS: tuple[tuple[str, str, str, float, bool], ...] = (
 )
 
 
-def write(results: dict[str, Any], page: Path, counts: Path) -> None:
-    parts = [HEADER, ratios(results), times(results), instructions(counts), made_on(results)]
-    page.write_text("\n".join(parts), encoding="utf-8")
+def page() -> str:
+    """Return what README.md must hold."""
+    results, counts = (json.loads(path.read_text(encoding="utf-8")) for path in (RESULTS, COUNTS))
+    return "\n".join([HEADER, ratios(results), times(results), instructions(counts), made_on(results)])
+
+
+def write() -> None:
+    PAGE.write_text(page(), encoding="utf-8")
 
 
 def ratios(results: dict[str, Any]) -> str:
@@ -68,13 +74,12 @@ def times(results: dict[str, Any]) -> str:
     rows = ["## Times\n", "| case | ns a sample and channel |", "|---|---|"]
     rows += [f"| {name} | {value:,.2f} |" for name, value in results["ns_per_sample"].items()]
     if results["left_out"]:
-        rows += ["", "Left out because it failed or its output differed:", ""]
+        rows += ["", "Left out because it is not installed, failed or gave another output:", ""]
         rows += [f"- {name}: {reason}" for name, reason in results["left_out"].items()]
     return "\n".join(rows) + "\n"
 
 
-def instructions(counts: Path) -> str:
-    table = json.loads(counts.read_text(encoding="utf-8"))
+def instructions(table: dict[str, Any]) -> str:
     rows = [f"## Instructions a sample and channel ({table['rustc']})\n", "| case | instructions |", "|---|---|"]
     rows += [f"| {case} | {number:,.1f} |" for case, number in table["per_sample"].items()]
     return "\n".join(rows) + "\n"
@@ -88,10 +93,10 @@ def made_on(results: dict[str, Any]) -> str:
 HEADER = """# Speed
 
 Written by `make bench`; do not edit. Every case runs in one process, interleaved, and the minimum of all rounds
-counts; outputs are compared before anything is timed (relative 1e-9), and what does not agree is left out and listed.
-Call overheads, Allan deviations and groups of channels are timed without that comparison (the latter have their own
-test). Times depend on the machine and on what else it does; ratios carry over. Single channels run at the instructions
-that every x86-64 has, groups of channels with AVX2.
+counts. Outputs are compared before anything is timed, to a relative 1e-9 (padasip, which starts from a large but finite covariance, to 1e-6), and
+what does not agree, or is not installed, is left out and listed. Not compared: scipy's recursive mean, which has its final gain from the
+start; call overheads; Allan deviations; groups of channels, which have their own test. Times depend on the machine and on what else it
+does; ratios carry over. Single channels run at the instructions that every x86-64 has, groups of channels with AVX2.
 
 The textbook C and numba kernels of two interacting models come in two forms, both of literal products. "Textbook" takes the numbers of
 models and states as arguments, as a matrix library does: the goals were set with a kernel that took 122 ns (C) and 149 ns (numba) on a similar machine,
@@ -104,7 +109,15 @@ sample's evidence to the next one's mixture: 1/S (13 cycles), the exponent (6), 
 division) and the mixed variance (15) make some 90 cycles, 23 ns at 3.9 GHz; what is above it is two square roots and five
 divisions that share one divider.
 
-More: [accuracy of all filters](accuracy.md), [scaling](scaling.md).
+| command | what it measures |
+|---|---|
+| `make bench` | times (`bench.py`), [accuracy](accuracy.md) (`accuracy.py`) and [scaling](scaling.md) (`scaling.py`); installs the peers of `requirements.txt`, needs gcc |
+| `python benches/instructions.py --update` | instructions a sample, with valgrind; `make test` fails where one grew by more than 3 % |
+| `python benches/gimbal_speed.py` | the gimbal filters beside a port to numba |
+| `python benches/recursive_speed.py` | the recursive filters beside scipy |
+| `python benches/rate_table_tuning.py` | tuning of one long record beside a loop in numba |
+| `python benches/rate_table_baselines.py` | the published table with its baseline of wavelets on variational modes |
+| `python benches/optimisers.py` | evaluations that our optimiser and others need on test functions |
 
-Commands: `make bench` (times, accuracy, scaling), `python benches/instructions.py --update` (instruction counts).
+The last five print and write nothing unless asked; `.venv/bin/python` has what they need after `make bench`.
 """

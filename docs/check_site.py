@@ -40,7 +40,7 @@ class _Page(HTMLParser):
 def problems(site: Path) -> list[str]:
     """Return what is wrong with a site, one line each."""
     pages: dict[Path, _Page] = {}
-    for path in sorted(site.rglob("*.html")):
+    for path in sorted(site.resolve().rglob("*.html")):
         pages[path] = _Page()
         pages[path].feed(path.read_text(encoding="utf-8"))
     found = [] if pages else [f"{site}: no page"]
@@ -53,28 +53,20 @@ def problems(site: Path) -> list[str]:
             parts = urlsplit(address)
             if parts.scheme or parts.netloc:
                 continue
-            target = (
-                (path.parent / unquote(parts.path)).resolve()
-                if parts.path
-                else path.resolve()
-            )
+            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
             target = target / "index.html" if target.is_dir() else target
             if not target.is_file():
                 found.append(f"{path}: leads nowhere: {address}")
             elif (
                 parts.fragment
-                and target in _resolved(pages)
-                and parts.fragment not in _resolved(pages)[target].anchors
+                and target in pages
+                and parts.fragment not in pages[target].anchors
             ):
                 found.append(f"{path}: no such place: {address}")
     for sheet in site.rglob("*.css"):
         if _ELSEWHERE.search(sheet.read_text(encoding="utf-8")):
             found.append(f"{sheet}: fetches from another host")
     return found
-
-
-def _resolved(pages: dict[Path, _Page]) -> dict[Path, _Page]:
-    return {path.resolve(): page for path, page in pages.items()}
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ import pictures  # noqa: E402
 import stillrate  # noqa: E402
 
 project = "stillrate"
-author = "the stillrate authors"
+author = "The stillrate developers"
 release = version = stillrate.__version__
 extensions = [
     "myst_parser",
@@ -35,7 +35,6 @@ myst_enable_extensions = [
     "attrs_inline",
 ]
 myst_heading_anchors = 3
-suppress_warnings: list[str] = []
 
 html_theme = "furo"
 html_title = "stillrate"

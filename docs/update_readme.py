@@ -20,10 +20,10 @@ def update() -> None:
     text = re.sub(
         r"(<!-- demo-table -->\n).*?(<!-- /demo-table -->)",
         lambda found: found[1] + table + found[2],
-        readme.read_text(),
+        readme.read_text(encoding="utf-8"),
         flags=re.S,
     )
-    readme.write_text(text)
+    readme.write_text(text, encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
         main(["demo", "-o", folder])
         shutil.copy(

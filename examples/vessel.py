@@ -1,7 +1,7 @@
 """A vessel in swell: roll, pitch and yaw rate at once, and the period of the swell found on line.
 
-The boat rolls with a period of four seconds. The motion is slow and strong and the interesting part is small, which is where a low-pass does harm: it is late by a constant
-time. Usage: python vessel.py
+The boat rolls with a period of four seconds. The motion is slow and strong and the interesting part is small, which is where a
+low-pass does harm: it is late by a constant time. Usage: python vessel.py
 """
 
 from __future__ import annotations

@@ -17,8 +17,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PARTS = ("build", "wheel", "oldest", "sdist", "crates", "rust")
-# The lower bounds of pyproject.toml, the oldest release of each that they admit.
-OLDEST = ("numpy==1.26.0", "cyclopts==4.2.0", "rich==13.6.0")
+# What pyproject.toml asks for at least, and nothing newer.
+OLDEST = tuple(
+    requirement.replace(">=", "==")
+    for requirement in tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
+)
 # Tests that need nothing but the package, pytest and hypothesis.
 PLAIN_TESTS = ("test_filter.py", "test_widths.py", "test_analysis.py", "test_reading.py", "test_reference_filters.py")
 

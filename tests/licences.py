@@ -45,7 +45,7 @@ WORDS = {
     "Python Software Foundation License": "PSF-2.0",
     "any-OSI": "Zlib",  # apsw: any licence that the OSI approved, at the user's choice
 }
-# Tools beside the library, not shipped with it and not part of `all`.
+# What a user installs with the library; the other extras are tools to work on it.
 SHIPPED_EXTRAS = ("tables", "logs", "report", "fleet", "live", "viewer")
 
 

@@ -19,8 +19,9 @@ def test_a_bed_is_the_sum_of_its_parts_and_repeats():
     assert again.bound_dps is None
     raw = metrics.rmse(run.measured_dps[run.scored], run.truth_dps[run.scored])
     best = metrics.rmse(run.bound_dps[run.scored], run.truth_dps[run.scored])
-    assert 0.103 < raw < 0.111
-    assert best < 0.7 * raw
+    # 0.0151 deg/s/sqrt(Hz) at 50 Hz scatter with 0.1068 deg/s; 6010 samples know that to 0.9 %, three times that either way.
+    assert raw == pytest.approx(0.1068, rel=0.027)
+    assert best < 0.7 * raw  # nobody filters if there is nothing to gain
 
 
 @pytest.mark.parametrize("kind", ["static", "waves", "rough-waves", "steps", "chirp"])
@@ -66,8 +67,8 @@ def test_noise_of_a_log_goes_straight_into_a_filter():
 def test_lag_is_positive_when_late():
     run = simulate.waves(200.0, 2)
     slow = sr.Filter(sr.Pt1(sample_rate_hz=200.0, cutoff_hz=20.0)).run(run.measured_dps)
-    # A first-order lag at 20 Hz delays slow motion by 1/(2 pi 20) = 8 ms, half a sample less.
-    assert 4.0 < metrics.lag_ms(slow[run.scored], run.truth_dps[run.scored], 200.0) < 9.0
+    # By backward Euler, slow motion is late by 1/(2 pi 20 Hz) = 7.96 ms, to the last digit, and motion at 2 Hz by 1 % less.
+    assert metrics.lag_ms(slow[run.scored], run.truth_dps[run.scored], 200.0) == pytest.approx(7.9, abs=0.1)
 
 
 def test_what_was_simulated_is_found_again_by_allan(tmp_path):

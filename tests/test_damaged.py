@@ -15,13 +15,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import real_logs
 import small_logs
 
 ADDRESS_SPACE, RESIDENT, CPU_S = 4_000_000_000, 400_000_000, 2.0
 HUGE = 2_000_000_000
-SHARED = next(
-    (p / "shared/data/formats" for p in Path(__file__).parents if (p / "shared/data").is_dir()), Path("absent")
-)
 
 RUN = f"""
 import resource, sys
@@ -121,6 +119,7 @@ def test_half_a_log_is_refused(tmp_path, kind):
     ("kind", "claimed"),
     [
         ("csv", "parquet"),
+        ("csv", "npz"),
         ("npz", "csv"),
         ("parquet", "npz"),
         ("mcap", "ulg"),
@@ -211,15 +210,18 @@ def test_what_is_left_of_a_cut_flight_is_read_and_said_to_be_cut(tmp_path):
 
 
 @linux
-@pytest.mark.skipif(not SHARED.is_dir(), reason="shared logs are not here")
+@real_logs.needed
 @pytest.mark.parametrize(
     "name", ["sample_appended_multiple.ulg", "xio_imu.mcap", "ains_ahrs_imu.parquet", "btfl_001.bbl"]
 )
-def test_logs_of_real_loggers_are_refused_with_zeros_behind_or_without_their_head(tmp_path, name):
-    content = (SHARED / name).read_bytes()
+def test_logs_of_real_loggers_are_refused_with_zeros_behind_without_their_head_and_cut_in_half(tmp_path, name):
+    content = (real_logs.FORMATS / name).read_bytes()
     path = tmp_path / name
     path.write_bytes(content)
     sparse(path)
     refused(tmp_path, path)
     path.write_bytes(content[100:])
     refused(tmp_path, path)
+    if path.suffix != ".bbl":  # of which the first half is a shorter flight
+        path.write_bytes(content[: len(content) // 2])
+        refused(tmp_path, path)

@@ -6,15 +6,9 @@ from pathlib import Path
 
 import pytest
 import stillrate as sr
+from every_method import METHODS, build
 from stillrate import _native
-from stillrate.config import Config, methods
-
-NOISE = sr.GyroNoise(density_dps_sqrt_hz=0.015, rate_random_walk_dps_sqrt_s=0.003)
-EVERY = sorted(methods())
-
-
-def configuration(method: str) -> Config:
-    return methods()[method](sample_rate_hz=50.0, noise=NOISE)
+from stillrate.config import Config
 
 
 def refused_or_same(text: bytes, config: Config, path: Path) -> bool:
@@ -27,17 +21,17 @@ def refused_or_same(text: bytes, config: Config, path: Path) -> bool:
     return False
 
 
-@pytest.mark.parametrize("method", EVERY)
+@pytest.mark.parametrize("method", METHODS)
 def test_settings_cut_off_anywhere_are_refused(method: str, tmp_path: Path) -> None:
-    config = configuration(method)
+    config = build(method)
     text = config.to_toml().encode()
     for end in range(len(text) - 1):
         assert refused_or_same(text[:end], config, tmp_path / "cut.toml"), text[:end]
 
 
-@pytest.mark.parametrize("method", EVERY)
+@pytest.mark.parametrize("method", METHODS)
 def test_settings_with_a_flipped_bit_are_refused_or_mean_the_same(method: str, tmp_path: Path) -> None:
-    config = configuration(method)
+    config = build(method)
     text = config.to_toml().encode()
     refused = 0
     for at in range(len(text)):
@@ -47,14 +41,14 @@ def test_settings_with_a_flipped_bit_are_refused_or_mean_the_same(method: str, t
     assert refused > 0.95 * len(text)
 
 
-@pytest.mark.parametrize("method", EVERY)
+@pytest.mark.parametrize("method", METHODS)
 def test_settings_of_another_format_or_filter_are_refused(method: str, tmp_path: Path) -> None:
-    text = configuration(method).to_toml()
+    text = build(method).to_toml()
     path = tmp_path / "other.toml"
     path.write_text(text.replace("format = 1", "format = 2"))
     with pytest.raises(sr.ConfigError, match="format 2"):
         sr.load_config(path)
-    for other in EVERY:
+    for other in METHODS:
         if other != method:
             path.write_text(text.replace(f'"{method}"', f'"{other}"', 1))
             with pytest.raises(sr.ConfigError, match="checksum"):
@@ -71,9 +65,9 @@ def test_settings_changed_by_hand_load_without_the_checksum(tmp_path: Path) -> N
     assert sr.load_config(path) == sr.Pt1(sample_rate_hz=50.0, cutoff_hz=9.0)
 
 
-@pytest.mark.parametrize("method", EVERY)
+@pytest.mark.parametrize("method", METHODS)
 def test_absurd_settings_are_refused_with_field_value_unit_and_range(method: str) -> None:
-    for name, value in configuration(method).settings().items():
+    for name, value in build(method).settings().items():
         found = _native.setting_range(method, name)
         if isinstance(value, str):
             assert found is None
@@ -83,15 +77,15 @@ def test_absurd_settings_are_refused_with_field_value_unit_and_range(method: str
         for absurd in (1e30, -1e30, float("nan"), 1.5 * high):
             changed = [absurd] * max(len(value), 1) if isinstance(value, list) else absurd
             with pytest.raises(sr.ConfigError) as refusal:
-                _native.resolve(method, {"sample_rate_hz": 50.0, name: changed})
+                _native.resolve(method, {"sample_rate_hz": 100.0, name: changed})
             if name != "forgetting_factor":  # this one may be told that it contradicts tau_s first
                 assert all(part in str(refusal.value) for part in (name, words, unit)), refusal.value
 
 
-@pytest.mark.parametrize("method", EVERY)
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
 def test_a_saved_filter_that_is_damaged_is_refused(method: str, dtype: str) -> None:
-    running = sr.Filter(configuration(method), dtype=dtype)
+    running = sr.Filter(build(method), dtype=dtype)
     running.run([0.1, 0.2, float("nan"), 0.1] * 20)
     good = running.save()
     assert sr.Filter.restore(good).save() == good
@@ -101,3 +95,12 @@ def test_a_saved_filter_that_is_damaged_is_refused(method: str, dtype: str) -> N
         for bad in (good[:at], bytes(flipped)):
             with pytest.raises(sr.ConfigError):
                 sr.Filter.restore(bad)
+
+
+def test_what_is_no_saved_filter_or_of_another_version_is_refused_in_words() -> None:
+    good = sr.Filter(build("singer-imm-kf")).save()
+    for other in (b"", b"something else entirely"):
+        with pytest.raises(sr.ConfigError, match="not a saved filter"):
+            sr.Filter.restore(other)
+    with pytest.raises(sr.ConfigError, match="version 99"):
+        sr.Filter.restore(good[:8] + b"\x63" + good[9:])

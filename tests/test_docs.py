@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import runpy
 import sys
 from pathlib import Path
 
@@ -68,6 +69,18 @@ def test_the_costs_in_words_are_those_of_the_counted_instructions() -> None:
     assert 80 < counts[f"variable-forgetting{one}"] < 125
     assert 0.4 < counts[f"ms-imm-ikf, light{one}"] / counts[f"ms-imm-ikf{one}"] < 0.6
     assert max(counts, key=lambda name: counts[name] if name.endswith(one) else 0.0) == f"ms-imm-ikf{one}"
+
+
+def test_the_page_of_the_benches_holds_what_was_measured() -> None:
+    page = runpy.run_path(str(ROOT / "benches/tables.py"))["page"]
+    assert (ROOT / "benches/README.md").read_text(encoding="utf-8") == page()
+
+
+def test_the_number_of_filters_in_words_is_right() -> None:
+    from stillrate.config import methods
+
+    said = [page for page in TEXTS if re.search(r"\bfifteen\b", page.read_text(encoding="utf-8"), flags=re.I)]
+    assert len(methods()) == 15, f"say so in {[_name(page) for page in said]}"
 
 
 def _one(text: str) -> Block:

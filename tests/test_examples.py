@@ -25,6 +25,7 @@ def load(name: str) -> ModuleType:
 def test_a_drone_log_becomes_a_header_for_its_firmware(tmp_path: Path) -> None:
     tmp_path = tmp_path / "not yet there"
     found = load("drone_to_firmware").main(tmp_path)
+    # Error left over raw; found 0.02, 0.47 and 0.16. The sharp starts of the flight let noise through for a while.
     assert found["ground"] < 0.1 and found["flight"] < 0.7 and found["hover"] < 0.3
     assert abs(found["lag_ms"]) < 0.2
     compiler = shutil.which("cc")
@@ -38,6 +39,7 @@ def test_a_drone_log_becomes_a_header_for_its_firmware(tmp_path: Path) -> None:
 
 def test_a_gimbal_loop_is_quiet_when_held_still_and_not_late_when_panned() -> None:
     found = load("camera_gimbal").main()
+    # Error left over raw; found 0.03 and 0.32.
     assert found["still"] < 0.1 and found["moving"] < 0.6
     assert abs(found["lag_ms"]) < 1.0
     assert found["coasted"] > 0
@@ -45,6 +47,7 @@ def test_a_gimbal_loop_is_quiet_when_held_still_and_not_late_when_panned() -> No
 
 def test_a_vessel_keeps_its_motion_and_shows_its_period() -> None:
     found = load("vessel").main()
+    # Error left over raw; found 0.39 to 0.50.
     assert max(found[axis] for axis in ("roll", "pitch", "yaw")) < 0.6
     assert abs(found["period_s"] - 4.0) < 0.2
     assert abs(found["lag_ms"]) < 5.0 < 100.0 < found["low_pass_lag_ms"]

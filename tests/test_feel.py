@@ -16,18 +16,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import stillrate as sr
+from every_method import METHODS, NOISE, build
 from stillrate import _native
-from stillrate.cli import COMMANDS, build, main
-from stillrate.config import methods
+from stillrate.cli import COMMANDS, main
+from stillrate.cli import build as build_command_line
 
 HERE = Path(__file__).parent
-METHODS = sorted(methods())
-NOISE = sr.GyroNoise(density_dps_sqrt_hz=0.015, rate_random_walk_dps_sqrt_s=0.003)
 PT1 = sr.Pt1(sample_rate_hz=50.0)
-
-
-def make(method):
-    return methods()[method](sample_rate_hz=100.0, noise=NOISE)
 
 
 def called_by(blob):
@@ -47,7 +42,7 @@ def called_by(blob):
 def test_unpickling_calls_nothing_but_the_documented_restore(protocol):
     # Protocol 2 writes bytes as an encoded text.
     spelling = {"_codecs.encode"} if protocol == 2 else set()
-    flt = sr.Filter(make("ms-imm-ikf"))
+    flt = sr.Filter(build("ms-imm-ikf"))
     flt.update(0.3)
     assert called_by(pickle.dumps(flt, protocol)) - spelling == {"stillrate.saving.restore"}
     assert called_by(pickle.dumps(flt.config, protocol)) == {"stillrate.config.config_from_settings"}
@@ -66,7 +61,7 @@ def test_a_restored_filter_has_the_estimate_and_continues_with_the_same_bits(met
     z = random.normal(0.0, 0.3, (400, 3))
     z[180:220, 1] = np.nan
     z[199, 2] = np.nan
-    flt = sr.Filter(make(method), channels=3, dtype=dtype)
+    flt = sr.Filter(build(method), channels=3, dtype=dtype)
     for advance in (lambda: flt.run(z[:200]), lambda: flt.update(*z[200]), lambda: flt.run(z[201:250], trace=True)):
         advance()
         twin, again = sr.Filter.restore(flt.save()), pickle.loads(pickle.dumps(flt))
@@ -163,7 +158,7 @@ def test_what_is_no_number_is_refused():
 
 def test_representations_tell_what_it_is():
     assert repr(PT1) == "Pt1(sample_rate_hz=50.0, noise=None, cutoff_hz=12.5)"
-    assert eval(repr(make("ms-imm-ikf")), {**vars(sr), "inf": math.inf}) == make("ms-imm-ikf")
+    assert eval(repr(build("ms-imm-ikf")), {**vars(sr), "inf": math.inf}) == build("ms-imm-ikf")
     assert repr(sr.Filter(PT1, channels=3)) == f"Filter({PT1!r}, channels=3, dtype='float64')"
     log = sr.Log(t_s=np.arange(100) / 50.0, rate_dps=np.zeros((100, 1)), channels=("gz_dps",))
     assert repr(log) == "Log(100 samples of gz_dps at 50 Hz)"
@@ -183,7 +178,7 @@ def test_completion_offers_what_is_public_and_nothing_else():
     assert offered == {name for name in sr.__all__ if not name.startswith("_")}
     assert all(hasattr(sr, name) for name in sr.__all__)
     for method in METHODS:
-        config = make(method)
+        config = build(method)
         fields = set(inspect.signature(type(config)).parameters)
         assert {"sample_rate_hz", "noise"} < fields <= set(dir(config))
     assert {"update", "run", "estimate", "save", "restore", "reset", "config"} <= set(dir(sr.Filter))
@@ -238,7 +233,7 @@ def test_help_shows_the_whole_description_of_a_command(command, capsys):
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_the_shell_completes_commands_and_options(shell):
-    script = build().generate_completion(shell=shell)
+    script = build_command_line().generate_completion(shell=shell)
     for word in (*COMMANDS, "reference-bias", "config", "keep-raw", "install-completion"):
         assert word in script, word
 

@@ -6,15 +6,9 @@ import pickle
 import numpy as np
 import pytest
 import stillrate as sr
-from stillrate.config import methods
+from every_method import METHODS, NOISE, build
 
-METHODS = sorted(methods())
 DTYPES = ["float32", "float64"]
-NOISE = sr.GyroNoise(density_dps_sqrt_hz=0.015, rate_random_walk_dps_sqrt_s=0.003)
-
-
-def build(method, rate=100.0, noise=NOISE):
-    return methods()[method](sample_rate_hz=rate, noise=noise)
 
 
 def awkward(rows=600, channels=3, seed=7):
@@ -47,8 +41,9 @@ def test_whole_chunked_streamed_and_restored_runs_have_the_same_bits(method, dty
             streamed = sr.Filter.restore(streamed.save())
         rows.append(streamed.update(*row))
     np.testing.assert_array_equal(np.array(rows, dtype=dtype), whole)
-    traced = sr.Filter(config, channels=3, dtype=dtype).run(z, trace=True)
-    np.testing.assert_array_equal(traced.rate, whole)
+    traced = sr.Filter(config, channels=3, dtype=dtype)
+    np.testing.assert_array_equal(traced.run(z, trace=True).rate, whole)
+    assert repr(traced.estimate) == repr(streamed.estimate)
 
 
 @pytest.mark.parametrize("dtype", DTYPES)
@@ -83,10 +78,10 @@ def test_missing_samples_are_coasted_over_and_flagged(method):
     assert np.isfinite(trace.rate).all() and np.isfinite(trace.variance).all()
 
 
-@pytest.mark.parametrize("method", ["ms-imm-ikf"])
-def test_scaling_input_and_noise_scales_the_output(method):
+def test_scaling_input_and_noise_scales_the_output():
+    method = "ms-imm-ikf"
     z = awkward(channels=1)[:, 0]
-    z[np.abs(z) > 1e3] = 0.0
+    z[np.abs(z) > 1e3] = 0.0  # what is out of range does not scale
     loud = sr.GyroNoise(density_dps_sqrt_hz=15.0, rate_random_walk_dps_sqrt_s=3.0)
     plain = sr.Filter(build(method)).run(z)
     scaled = sr.Filter(build(method, noise=loud)).run(1000.0 * z) / 1000.0
@@ -162,18 +157,3 @@ def test_strided_input_is_read_in_place_and_out_is_filled():
     assert sr.Filter(config, channels=2).run(z[::3, 1:3], out=out) is out
     np.testing.assert_array_equal(out, expected)
     np.testing.assert_array_equal(sr.Filter(config, channels=2).run(np.asfortranarray(z[::3, 1:3])), expected)
-
-
-@pytest.mark.parametrize("damage", ["cut", "flip", "version", "other"])
-def test_damaged_saved_states_are_refused(damage):
-    blob = bytearray(sr.Filter(build("singer-imm-kf")).save())
-    if damage == "cut":
-        blob = blob[: len(blob) // 2]
-    elif damage == "flip":
-        blob[len(blob) // 2] ^= 4
-    elif damage == "version":
-        blob[8] = 99
-    else:
-        blob = bytearray(b"something else entirely")
-    with pytest.raises(sr.ConfigError):
-        sr.Filter.restore(bytes(blob))

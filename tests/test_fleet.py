@@ -13,7 +13,7 @@ import stillrate as sr
 from stillrate.cli import main
 
 polars = pytest.importorskip("polars")
-pytest.importorskip("distributed")
+distributed = pytest.importorskip("distributed")
 
 from stillrate import fleet  # noqa: E402
 from stillrate.fleet_work import read_record  # noqa: E402
@@ -25,6 +25,9 @@ BROKEN = {
     "deep/noise.npz": bytes(range(256)) * 8,
     "short.csv": b"t_s,gx_dps\n0.0,1.0\n",
 }
+
+
+ONE_THREAD = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
 
 
 def make_logs(folder, count, samples=200):
@@ -113,12 +116,9 @@ def test_two_hundred_logs_with_five_broken_ones_are_finished_once(tmp_path, caps
 
 
 def test_a_scheduler_of_ones_own_does_the_work(tmp_path):
-    import distributed
-
     make_logs(tmp_path / "logs", 3)
     seen = []
-    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
-    with distributed.LocalCluster(**options) as cluster:
+    with distributed.LocalCluster(**ONE_THREAD) as cluster:
         found = fleet.run(
             [tmp_path / "logs/*.csv", tmp_path / "logs/*.npz"],
             tmp_path / "out",
@@ -140,18 +140,9 @@ def test_what_was_finished_before_an_interruption_stays(tmp_path, monkeypatch, c
         raise KeyboardInterrupt
 
     monkeypatch.setattr(fleet, "_work_all", interrupted)
-    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
-    import distributed
-
-    with distributed.LocalCluster(**options) as cluster:
-        command = [
-            "fleet",
-            str(tmp_path / "logs"),
-            "-o",
-            str(tmp_path / "out"),
-            "--scheduler",
-            cluster.scheduler_address,
-        ]
+    with distributed.LocalCluster(**ONE_THREAD) as cluster:
+        command = ["fleet", str(tmp_path / "logs"), "-o", str(tmp_path / "out")]
+        command += ["--scheduler", cluster.scheduler_address]
         assert main(command) == 130
         assert "stopped with 2 of 8 logs finished" in capsys.readouterr().err
         monkeypatch.setattr(fleet, "_work_all", all_of_it)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
 import small_logs
 import stillrate as sr
+from real_logs import FORMATS, RECORDINGS, needed
 from stillrate.cli import main
 
-SHARED = next((p / "shared/data" for p in Path(__file__).parents if (p / "shared/data").is_dir()), Path("absent"))
 OUTPUTS = ("csv", "tsv", "npz", "parquet")
 MAX_PAGE_BYTES = 8_000_000
 
@@ -70,17 +69,17 @@ def test_every_pair_of_formats_in_every_output(tmp_path, small):
         tuned_and_cleaned(tmp_path, small[still], small[moving], ending, report=ending == "csv")
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="shared recordings are not here")
+@needed
 def test_a_still_recording_and_a_bag_as_typed_beside_them(tmp_path):
-    still, moving = SHARED / "recordings/mpu6050_uncuyo_static449s.npz", SHARED / "formats/xio_imu.mcap"
+    still, moving = RECORDINGS / "mpu6050_uncuyo_static449s.npz", FORMATS / "xio_imu.mcap"
     tuned_and_cleaned(tmp_path, still, moving, "parquet")
 
 
 @pytest.mark.long
-@pytest.mark.skipif(not SHARED.is_dir(), reason="shared recordings are not here")
+@needed
 def test_every_pair_of_real_logs_in_turning_outputs(tmp_path):
-    files = sorted((SHARED / "formats").iterdir())
-    stills = [*files, SHARED / "recordings/mpu6050_uncuyo_static449s.npz"]
+    files = sorted(FORMATS.iterdir())
+    stills = [*files, RECORDINGS / "mpu6050_uncuyo_static449s.npz"]
     refused = []
     for still, (index, moving) in itertools.product(stills, enumerate(files)):
         ending = OUTPUTS[(index + stills.index(still)) % len(OUTPUTS)]

@@ -96,7 +96,8 @@ def test_the_version_is_the_same_everywhere() -> None:
 
 def test_the_oldest_supported_versions_are_said_where_they_are_set() -> None:
     page = (ROOT / "docs/contributing.md").read_text(encoding="utf-8")
-    assert f"Rust {WORKSPACE['package']['rust-version']}" in page
+    for name in ("docs/contributing.md", "docs/index.md", "README.md"):
+        assert f"Rust {WORKSPACE['package']['rust-version']}" in (ROOT / name).read_text(encoding="utf-8"), name
     assert f"Python {PROJECT['requires-python'].removeprefix('>=')}" in page
     for requirement in PROJECT["dependencies"]:
         assert requirement.replace(">=", " ") in page, requirement

@@ -58,21 +58,26 @@ INK = """(id => {
 })"""
 
 
+def assert_sound(page, path, dark):
+    """No error, nothing fetched, nothing wider than the window, light or dark as asked, and more than a blank sheet."""
+    assert page.ask("document.getElementById('failed').textContent") == ""
+    assert page.errors == []
+    assert page.requests == [path.resolve().as_uri()]
+    assert page.ask("document.documentElement.scrollWidth <= innerWidth")
+    shade = page.ask("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3).map(Number)")
+    assert (max(shade) < 64) if dark else (min(shade) > 192)
+    assert colours(page.picture()) > 50
+
+
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 @pytest.mark.parametrize("width", [1200, 390], ids=["desk", "phone"])
 def test_every_figure_is_drawn_and_nothing_is_asked_of_the_network(page, short, dark, width):
     page.open(short[0], width=width, height=844, dark=dark)
     page.settle()
     for figure in ("rate", "difference", "probability", "frequency", "spectrum", "allan"):
-        if not page.ask(f"document.getElementById('{figure}').hidden"):
-            assert page.ask(f"{INK}('{figure}')") > 0.01, figure
-    assert page.ask("document.getElementById('failed').textContent") == ""
-    assert page.errors == []
-    assert page.requests == [short[0].resolve().as_uri()]
-    assert page.ask("document.documentElement.scrollWidth <= innerWidth")
-    shade = page.ask("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3).map(Number)")
-    assert (max(shade) < 64) if dark else (min(shade) > 192)
-    assert colours(page.picture()) > 50
+        assert not page.ask(f"document.getElementById('{figure}').hidden"), figure
+        assert page.ask(f"{INK}('{figure}')") > 0.01, figure
+    assert_sound(page, short[0], dark)
 
 
 def test_zooming_ends_at_the_sample(page, short):
@@ -145,13 +150,7 @@ def test_a_comparison_is_drawn_with_every_price_and_asks_nothing_of_the_network(
         assert price in page.ask("document.querySelector('#gain h3').textContent").replace("how late", "lag")
     for figure in ("gain", "rest", "motion"):
         assert page.ask(f"{INK}('{figure}')") > 0.01, figure
-    assert page.ask("document.getElementById('failed').textContent") == ""
-    assert page.errors == []
-    assert page.requests == [compared[0].resolve().as_uri()]
-    assert page.ask("document.documentElement.scrollWidth <= innerWidth")
-    shade = page.ask("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3).map(Number)")
-    assert (max(shade) < 64) if dark else (min(shade) > 192)
-    assert colours(page.picture()) > 50
+    assert_sound(page, compared[0], dark)
 
 
 def test_the_table_of_a_comparison_shows_the_figures_and_sorts_by_any(page, compared):

@@ -10,10 +10,10 @@ import pytest
 import stillrate as sr
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from real_logs import FORMATS, RECORDINGS, needed
 from stillrate import demo
 
 RAD = 180.0 / np.pi
-SHARED = next((p / "shared/data" for p in Path(__file__).parents if (p / "shared/data").is_dir()), Path("absent"))
 
 
 def written(folder: Path, text: str | bytes, name: str = "log.csv") -> Path:
@@ -222,7 +222,7 @@ def test_no_file_does_worse_than_a_log_error(tmp_path_factory, content, suffix):
         assert "\n" not in str(error)
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="shared recordings are not here")
+@needed
 @pytest.mark.parametrize(
     ("file", "recording"),
     [
@@ -240,8 +240,8 @@ def test_files_of_real_loggers_agree_with_their_recordings(file, recording):
     pytest.importorskip("polars")
     pytest.importorskip("pyulog")
     pytest.importorskip("rosbags")
-    log = sr.read(SHARED / "formats" / file)
-    with np.load(SHARED / "recordings" / f"{recording}.npz") as known:
+    log = sr.read(FORMATS / file)
+    with np.load(RECORDINGS / f"{recording}.npz") as known:
         expected = np.column_stack([known[f"g{axis}_dps"] for axis in "xyz"])[: len(log)]
         np.testing.assert_allclose(log.t_s, known["t_s"][: len(log)], atol=1e-9)
         meta = json.loads(str(known["meta_json"]))
@@ -260,24 +260,6 @@ def test_hdf5_and_matlab_files_are_read(tmp_path):
         log = sr.read(tmp_path / name)
         assert log.sample_rate_hz == pytest.approx(50.0), name
         np.testing.assert_allclose(log.rate_dps, rates * RAD, rtol=1e-12)
-
-
-@pytest.mark.skipif(not SHARED.is_dir(), reason="shared recordings are not here")
-@pytest.mark.parametrize("file", ["sample_appended_multiple.ulg", "xio_imu.mcap", "ains_ahrs_imu.parquet"])
-@pytest.mark.parametrize("damage", ["cut", "no head", "zeros behind", "empty"])
-def test_damaged_logger_files_are_refused_in_one_line(tmp_path, file, damage):
-    pytest.importorskip("polars")
-    pytest.importorskip("pyulog")
-    pytest.importorskip("rosbags")
-    good = (SHARED / "formats" / file).read_bytes()
-    bad = {"cut": good[: len(good) // 2], "no head": good[1000:], "zeros behind": good, "empty": b""}[damage]
-    path = written(tmp_path, bad, file)
-    if damage == "zeros behind":
-        with path.open("r+b") as hole:
-            hole.truncate(2_000_000_000)
-    with pytest.raises(sr.LogError) as caught:
-        sr.read(path)
-    assert "\n" not in str(caught.value)
 
 
 def test_a_folder_that_is_not_there_is_named_when_writing(tmp_path):

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+import real_logs
 import stillrate as sr
 from stillrate import attitude
 
-RECORDINGS = next(
-    (p / "shared/data/recordings" for p in Path(__file__).resolve().parents if (p / "shared/data").is_dir()),
-    Path("absent"),
-)
 DEG_H = math.pi / 180 / 3600
 
 
@@ -108,12 +104,12 @@ def test_observability_names_the_weak_direction() -> None:
         sr.observability(dynamics, measurement, duration_s=1, interval_s=0.1, measurement_sigma=1, prior_sigma=[1, 2])
 
 
-@pytest.mark.skipif(not RECORDINGS.is_dir(), reason="the recordings are not part of the project")
+@real_logs.needed
 @pytest.mark.parametrize("name", ["broad_02_undisturbed_slow_rotation_B", "broad_07_undisturbed_fast_rotation_B"])
 def test_bias_of_a_real_gyro_agrees_with_its_rest(name: str) -> None:
     from stillrate.reproduce.broad import broad_gap
 
-    gap = broad_gap(RECORDINGS / f"{name}.npz")
+    gap = broad_gap(real_logs.RECORDINGS / f"{name}.npz")
     # An independent correlation of the two rates found 4.1 to 4.2 ms; a quarter of the 3.5 ms sample period either way.
     assert gap.lag_s == pytest.approx(0.00415, abs=0.0009)
     # The estimate is far outside its own sigmas from the mean at rest ...

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference import replay
+from reference import recognising, replay
 
 FOLDER = Path(__file__).parent / "reference" / "filters"
 RUNS = sorted(path for path in FOLDER.glob("*.json") if not path.name.startswith("singer_closed_forms"))
@@ -26,6 +26,13 @@ def test_run_replays_within_tolerance_of_the_channel_maximum(path):
         worst = np.nanmax(np.abs(found[name] - answer))
         assert found[name].shape == answer.shape
         assert worst <= tolerance * np.nanmax(np.abs(answer)), name
+
+
+def test_a_reference_file_is_known_by_what_stands_in_it_too():
+    files = list(FOLDER.parent.glob("*/*.json"))
+    assert len(files) > 25
+    for path in files:
+        assert recognising(json.loads(path.read_text())) == [path.parent.name], path
 
 
 def test_closed_forms_agree_to_five_units_in_1e16():

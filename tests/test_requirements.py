@@ -55,6 +55,22 @@ def test_every_page_of_the_documentation_has_its_place_in_the_map() -> None:
             assert name in heads or f"{Path(name).parent.as_posix()}/" in heads.split(), name
 
 
+def test_every_long_file_has_its_reason() -> None:
+    page = (ROOT / "docs/contributing.md").read_text(encoding="utf-8")
+    told = page.partition("## Long files\n")[2].partition("\n## ")[0]
+    files = [
+        path
+        for place in ("crates", "python", "tests", "benches", "docs", "examples", "fuzz")
+        for path in (ROOT / place).rglob("*")
+    ]
+    sources = [
+        path for path in files if path.suffix in (".rs", ".py") and not {"target", "generated"} & set(path.parts)
+    ]
+    assert len(sources) > 400
+    long = [path for path in sources if len(path.read_text(encoding="utf-8").splitlines()) > 300]
+    assert not [path for path in long if f"{path.name}`" not in told]
+
+
 def test_a_density_too_low_costs_more_than_one_too_high() -> None:
     run = sr.simulate.static(50.0, seed=3)
     right = 0.1068 / 50.0**0.5

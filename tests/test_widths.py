@@ -46,17 +46,6 @@ def test_a_channel_beside_others_gives_the_bits_it_gives_alone(config, dtype, ch
             assert together[:, c].tobytes() == alone.tobytes(), f"channel {c}"
 
 
-@pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.method)
-def test_streaming_gives_the_bits_of_a_run(config):
-    z = samples(3)
-    one = sr.Filter(config, channels=3)
-    streamed = np.array([one.update(*row) for row in z.tolist()])
-    assert streamed.tobytes() == sr.Filter(config, channels=3).run(z).tobytes()
-    traced = sr.Filter(config, channels=3)
-    traced.run(z, trace=True)
-    assert repr(one.estimate) == repr(traced.estimate)
-
-
 def test_the_number_of_threads_changes_no_bit():
     code = (
         "import hashlib, numpy as np, stillrate as sr\n"

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+from cells import table
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
@@ -34,13 +35,4 @@ class Elementary(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """Build the table."""
         head, *body = rows()
-        group = nodes.tgroup(cols=len(head))
-        for _ in head:
-            group += nodes.colspec(colwidth=25)
-        group += nodes.thead("", _row(head))
-        group += nodes.tbody("", *(_row(row) for row in body))
-        return [nodes.table("", group)]
-
-
-def _row(cells: list[str]) -> nodes.row:
-    return nodes.row("", *(nodes.entry("", nodes.paragraph(text=cell)) for cell in cells))
+        return [table(head, body)]

@@ -7,6 +7,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.figure import Figure
 from stillrate import Filter, GyroNoise, methods, simulate
 from stillrate.config import Config
 from stillrate.config import methods as all_methods
@@ -21,7 +22,7 @@ REST_S, WAVES_S, STEP_S, END_S = 3.0, 6.0, 8.0, 10.0
 
 
 def motion() -> np.ndarray[Any, Any]:
-    """Return a rest, two seconds and a half of waves, a rest, and a step with the lag of a real airframe, in deg/s."""
+    """Return a rest, three seconds of swelling and fading waves, a rest, and a step with the lag of a real airframe, in deg/s."""
     t = np.arange(round(END_S * RATE_HZ)) / RATE_HZ
     inside = (t >= REST_S) & (t < WAVES_S)
     envelope = np.sin(np.pi * (t - REST_S) / (WAVES_S - REST_S)) * inside
@@ -36,8 +37,6 @@ def draw(config: Config, path: Path) -> None:
     t = np.arange(len(clean)) / RATE_HZ
     views = (("at rest", 1.0, 3.0), ("in waves", 3.0, 6.0), ("at a step", 7.9, 8.4))
     with matplotlib.rc_context({"svg.hashsalt": "stillrate", "font.size": 8.5}):
-        from matplotlib.figure import Figure
-
         figure = Figure(figsize=(8.6, 2.5), layout="constrained")
         for axes, (title, begin, end) in zip(figure.subplots(1, 3), views, strict=True):
             seen = (t >= begin) & (t <= end)

@@ -6,6 +6,7 @@ import functools
 import math
 from typing import Any
 
+from cells import table
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 from stillrate import Filter, MsImmIkf, demo
@@ -69,22 +70,12 @@ class Score(SphinxDirective):
             "lag, ms",
             "settling, s",
         )
-        group = nodes.tgroup(cols=len(head))
-        for width in (30, 14, 14, 14, 14, 14):
-            group += nodes.colspec(colwidth=width)
-        group += nodes.thead("", _row(head))
-        body = nodes.tbody()
-        group += body
-        for name in names:
-            row = rows[name]
-            # Adding zero takes the sign off a rounded one.
-            lag = f"{round(row.lag_ms, 2) + 0.0:+.2f}" if math.isfinite(row.lag_ms) else "-"
-            figures = [
-                f"{value:.4f}" for value in (row.static_dps, row.waves_dps, row.calm_dps)
-            ]
-            body += _row((name, *figures, lag, _settling(row.settling_s)))
-        return [nodes.table("", group, classes=["score"])]
+        body = [_cells(name, rows[name]) for name in names]
+        return [table(head, body, (30, 14, 14, 14, 14, 14), ("score",))]
 
 
-def _row(cells: tuple[str, ...]) -> nodes.row:
-    return nodes.row("", *(nodes.entry("", nodes.paragraph(text=cell)) for cell in cells))
+def _cells(name: str, row: demo.Row) -> tuple[str, ...]:
+    # Adding zero takes the sign off a rounded one.
+    lag = f"{round(row.lag_ms, 2) + 0.0:+.2f}" if math.isfinite(row.lag_ms) else "-"
+    figures = (f"{value:.4f}" for value in (row.static_dps, row.waves_dps, row.calm_dps))
+    return (name, *figures, lag, _settling(row.settling_s))

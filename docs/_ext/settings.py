@@ -8,6 +8,7 @@ import math
 import re
 from typing import Any
 
+from cells import table
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 from stillrate import ConfigError, GyroNoise, methods
@@ -86,7 +87,7 @@ def rows(cls: type[Config]) -> list[tuple[str, str, str]]:
     """Return name, default and words of every setting of a method, the ones all share first."""
     config = cls(sample_rate_hz=RATE_HZ, noise=NOISE)
     said = {**words(Config), **words(cls)}
-    table = []
+    found = []
     for item in dataclasses.fields(cls):
         value = getattr(config, item.name)
         shown = _shown(value)
@@ -101,8 +102,8 @@ def rows(cls: type[Config]) -> list[tuple[str, str, str]]:
             meaning = "The gyro's noise: this method does without."
         else:
             meaning = meaning.partition(" Methods that")[0]
-        table.append((item.name, shown, meaning))
-    return table
+        found.append((item.name, shown, meaning))
+    return found
 
 
 def _shown(value: object) -> str:
@@ -121,27 +122,11 @@ class Settings(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """Build the table."""
         head = ("setting", f"default at {RATE_HZ:g} Hz", "meaning")
-        table = nodes.table(classes=["settings"])
-        group = nodes.tgroup(cols=len(head))
-        table += group
-        for width in (25, 20, 55):
-            group += nodes.colspec(colwidth=width)
-        group += nodes.thead("", self._row([nodes.Text(title) for title in head]))
-        body = nodes.tbody()
-        group += body
+        body = []
         for name, default, meaning in rows(getattr(methods, self.arguments[0])):
             parsed, _ = self.parse_inline(meaning.replace("``", "`"))
-            paragraph = nodes.paragraph("", "", *parsed)
             words = default.endswith("given") or default == "not used"
             kind = nodes.emphasis if words else nodes.literal
-            body += self._row([nodes.literal(text=name), kind(text=default), paragraph])
-        return [table]
-
-    def _row(self, cells: list[nodes.Node]) -> nodes.row:
-        row = nodes.row()
-        for cell in cells:
-            inner = (
-                cell if isinstance(cell, nodes.paragraph) else nodes.paragraph("", "", cell)
-            )
-            row += nodes.entry("", inner)
-        return row
+            paragraph = nodes.paragraph("", "", *parsed)
+            body.append((nodes.literal(text=name), kind(text=default), paragraph))
+        return [table(head, body, (25, 20, 55), ("settings",))]

@@ -148,7 +148,12 @@ fn agree_on(ours: &Gaussian2<f64>, literal: &Model, found: &Found) {
     agree(ours.mean[1], literal.x[1], found.mean_error[1], "acceleration");
     let literal = [literal.p[0][0], literal.p[0][1], literal.p[1][1]];
     for k in 0..3 {
-        agree(ours.covariance[k], literal[k], found.covariance_error[k], ["variance", "covariance", "acceleration's"][k]);
+        agree(
+            ours.covariance[k],
+            literal[k],
+            found.covariance_error[k],
+            ["variance", "covariance", "acceleration's"][k],
+        );
     }
 }
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,13 @@ import stillrate as sr
 TWO_PI = 2.0 * math.pi
 
 
-def replay(path: Path) -> dict[str, np.ndarray]:
-    document = json.loads(path.read_text(encoding="utf-8"))
+def recognises(document: Any) -> bool:
+    if isinstance(document, list):
+        return bool(document) and isinstance(document[0], dict) and {"aT", "alpha", "T"} <= document[0].keys()
+    return isinstance(document, dict) and {"params", "T", "z"} <= document.keys()
+
+
+def replay(_: Path, document: Any) -> dict[str, np.ndarray]:
     if isinstance(document, list):
         return closed_forms(document)
     if "osc" in document["params"]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from pathlib import Path
@@ -16,11 +15,7 @@ from stillrate import attitude, closed_forms
 RATE_HZ = 1.0
 
 
-def recognises(path: Path) -> bool:
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
+def recognises(document: Any) -> bool:
     return isinstance(document, dict) and _kind(document) is not None
 
 
@@ -50,8 +45,7 @@ def _kind(document: dict[str, Any]) -> str | None:
     return None
 
 
-def replay(path: Path) -> dict[str, np.ndarray]:
-    document = json.loads(path.read_text(encoding="utf-8"))
+def replay(path: Path, document: dict[str, Any]) -> dict[str, np.ndarray]:
     kind = _kind(document)
     if kind is None:
         raise ValueError(f"{path}: in no known format of this family")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -13,13 +12,11 @@ from stillrate import platform as pf
 ANSWERS = {"var_white", "var_asym", "var", "white", "gm", "rrw", "I", "I_lyap", "var_T2"}
 
 
-def recognises(path: Path) -> bool:
-    document = json.loads(path.read_text(encoding="utf-8"))
+def recognises(document: Any) -> bool:
     return isinstance(document, dict) and ("N_deg_per_sqrt_s" in document or "pn" in document)
 
 
-def replay(path: Path) -> dict[str, np.ndarray]:
-    document = json.loads(path.read_text(encoding="utf-8"))
+def replay(_: Path, document: dict[str, Any]) -> dict[str, np.ndarray]:
     return variances(document) if "N_deg_per_sqrt_s" in document else plants(document)
 
 

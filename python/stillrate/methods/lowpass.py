@@ -83,7 +83,7 @@ class FirLowPass(Config):
     Parameters
     ----------
     window : str, optional
-        "boxcar" (default), "hann", "hamming" or "blackman".
+        ``"boxcar"`` (default), ``"hann"``, ``"hamming"`` or ``"blackman"``.
     length : float, optional
         Number of taps, 1 to 128; default the noise of a recursive mean with a memory of 0.1 s.
     cutoff_hz : float, optional
