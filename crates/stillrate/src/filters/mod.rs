@@ -7,6 +7,7 @@ mod biquad;
 pub mod closed_forms;
 mod cusum_forgetting;
 pub mod fir;
+mod fir_settings;
 mod hmm_rls;
 mod linear_prediction;
 mod ms_imm_ikf;
@@ -33,14 +34,13 @@ pub use ar_kf::{ArKf, ArKfState, HIGHEST_ORDER as AR_HIGHEST_ORDER};
 pub use ar_kf_settings::ArKfSettings;
 pub use biquad::{Biquad, BiquadSettings, BiquadState};
 pub use cusum_forgetting::{CusumForgetting, CusumForgettingSettings, CusumForgettingState};
-pub use fir::{FirLowPass, FirLowPassSettings, FirLowPassState};
+pub use fir::{FirLowPass, FirLowPassState};
+pub use fir_settings::FirLowPassSettings;
 pub use hmm_rls::{
     DEFAULT_TAU_S, RecursiveLeastSquares, RecursiveLeastSquaresSettings, RecursiveLeastSquaresState, WeightedMean,
 };
 pub use linear_prediction::{LinearPrediction, LinearPredictionSettings, LinearPredictionState};
 pub use ms_imm_ikf::{MsImmIkf, MsImmIkfSettings, MsImmIkfState, OSCILLATORS, Pace, RUNGS};
-pub use ms_imm_ikf_paper::{FadingGate, MsImmIkfPaper, MsImmIkfPaperState, PaperModel};
-pub use ms_imm_ikf::{MsImmIkf, MsImmIkfState, OSCILLATORS, Pace, RUNGS};
 pub use ms_imm_ikf_paper::{MsImmIkfPaper, MsImmIkfPaperState, PaperModel};
 pub use ms_imm_ikf_paper_settings::{
     ALPHA_MIXING, FADING_GATES, FADING_SCOPES, FADING_SOURCES, FADINGS, JACOBIANS, MODES, MsImmIkfPaperSettings,

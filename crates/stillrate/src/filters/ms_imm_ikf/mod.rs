@@ -28,7 +28,7 @@ use crate::block;
 use crate::filter::{Estimate, Filter, Flags, Observer, Sample};
 use crate::plain;
 use crate::real::Real;
-use crate::reals::{Lane, Lanes};
+use crate::reals::{Lane, Lanes, Reals};
 use care::Readings;
 use state::Wide;
 use weighing::Weights;
@@ -243,6 +243,7 @@ impl<T: Real> Filter<T> for MsImmIkf<T> {
 
     #[inline(always)]
     fn tile<const W: usize>(&self, lanes: &mut [[T; W]], tile: &mut [[T; W]], dt: T) {
+        let tile = if lanes.len() < <Self::State as Reals<T>>::COUNT { &mut [] } else { tile };
         let mut state: Wide<T, W> = block::load_wide(lanes);
         for samples in tile {
             self.row(&mut state, samples, dt, &mut ());
