@@ -4,7 +4,9 @@ use nalgebra::{Matrix3, Vector3};
 use stillrate::attitude::reference_bias::BiasSettings;
 use stillrate::attitude::{Body, Navigation, Quaternion, Rotation, dcm, preintegration::Preintegration, so3};
 use stillrate::correction::{Compensated, CompensatedState, ErrorCurve};
-use stillrate::filters::{MsImmIkfSettings, OnlineAr, Pt1, Pt1State, VectorRls, VectorRlsSettings, VectorRlsState};
+use stillrate::filters::{
+    MsImmIkfSettings, OnlineAr, Pt1, Pt1State, SingerImmKfSettings, VectorRls, VectorRlsSettings, VectorRlsState,
+};
 use stillrate::{Filter, Flags, GyroNoise, Lane, Real, Reals, Sample, Settings, block};
 
 /// What a state is as numbers, and the same state from them.
