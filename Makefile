@@ -84,6 +84,7 @@ lint: .venv/.test-tools
 	.venv/bin/ruff format --check python tests benches docs examples
 	.venv/bin/mypy
 	.venv/bin/stubtest stillrate._native --mypy-config-file pyproject.toml --allowlist tests/stubtest.txt
+	$(PY) tests/public_items.py
 
 clean:
 	rm -rf target .venv dist site docs/generated

@@ -18,7 +18,6 @@ import os
 import re
 import subprocess
 import sys
-import tempfile
 import types
 from pathlib import Path
 from typing import Any
@@ -177,10 +176,9 @@ def report(name: str, found: Crate | Package) -> int:
 def main() -> int:
     """Print what is missing."""
     missing = report("Python", Package())
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(os.environ.get("PUBLIC_ITEMS_TARGET", name))
-        for crate in CRATES:
-            missing += report(crate, Crate(described(crate, folder)))
+    folder = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "public-items"
+    for crate in CRATES:
+        missing += report(crate, Crate(described(crate, folder)))
     return 1 if missing else 0
 
 
