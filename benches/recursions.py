@@ -1,4 +1,4 @@
-"""Low-passes and recursive means with a twin elsewhere, each set up to give the same output."""
+"""Low-passes and means with a twin elsewhere, each set up to give the same output."""
 
 from __future__ import annotations
 
@@ -33,6 +33,18 @@ def scipy_butterworth(rate_hz: float) -> Filter:
     def run(z: np.ndarray) -> np.ndarray:
         zi = start.reshape(1, 2, *([1] * (z.ndim - 1))) * z[0]
         return sosfilt(sections, z, axis=0, zi=zi)[0]
+
+    return run
+
+
+def scipy_fir(config: sr.FirLowPass) -> Filter:
+    from scipy.signal import lfilter, lfilter_zi
+
+    taps = impulse_response(config.replace(start="zero"), int(config.length))[: int(config.length)]
+    start = lfilter_zi(taps, 1.0)
+
+    def run(z: np.ndarray) -> np.ndarray:
+        return lfilter(taps, 1.0, z, axis=0, zi=start.reshape(-1, *([1] * (z.ndim - 1))) * z[0])[0]
 
     return run
 
@@ -75,9 +87,15 @@ def twins(rate_hz: float, noise: sr.GyroNoise) -> list[tuple[str, sr.Config, dic
     pt1 = sr.Pt1(sample_rate_hz=rate_hz, noise=noise, cutoff_hz=CUTOFF_HZ)
     biquad = sr.Biquad(sample_rate_hz=rate_hz, noise=noise, cutoff_hz=CUTOFF_HZ)
     mean = sr.RecursiveLeastSquares(sample_rate_hz=rate_hz, noise=noise, tau_s=TAU_S)
+    short, long = (
+        sr.FirLowPass(sample_rate_hz=rate_hz, noise=noise, window="hamming", length=length, cutoff_hz=CUTOFF_HZ)
+        for length in (21, 101)
+    )
     return [
         ("PT1", pt1, {"scipy lfilter": scipy_pt1(pt1)}, 1e-9),
         ("biquad", biquad, {"scipy sosfilt": scipy_butterworth(rate_hz)}, 1e-9),
+        ("FIR of 21 taps", short, {"scipy lfilter": scipy_fir(short)}, 1e-9),
+        ("FIR of 101 taps", long, {"scipy lfilter": scipy_fir(long)}, 1e-9),
         # The settled mean differs while it starts, so only its speed counts; pandas and padasip compute what we do.
         ("RLS", mean, {"scipy lfilter": scipy_settled_mean(factor)}, math.inf),
         ("RLS", mean, {"pandas ewm": pandas_mean(factor)}, 1e-9),

@@ -39,6 +39,17 @@ TARGETS: tuple[tuple[str, str, str, float, bool], ...] = (
     ("scipy / PT1, 8 channels", "PT1 8 channels: scipy lfilter", "PT1 8 channels: stillrate", 3, True),
     ("scipy / biquad, 1 channel", "biquad 1 channel: scipy sosfilt", "biquad 1 channel: stillrate", 1, True),
     ("scipy / biquad, 8 channels", "biquad 8 channels: scipy sosfilt", "biquad 8 channels: stillrate", 3, True),
+    *(
+        (
+            f"scipy / FIR of {taps} taps, {label}",
+            f"FIR of {taps} taps {label}: scipy lfilter",
+            f"FIR of {taps} taps {label}: stillrate",
+            1,
+            True,
+        )
+        for taps in (21, 101)
+        for label in ("1 channel", "8 channels")
+    ),
     ("scipy / RLS, 1 channel", "RLS 1 channel: scipy lfilter", "RLS 1 channel: stillrate", 1, True),
     ("scipy / RLS, 8 channels", "RLS 8 channels: scipy lfilter", "RLS 8 channels: stillrate", 3, True),
 )
