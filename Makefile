@@ -79,6 +79,7 @@ APART := examples/own_model benches/kfilter crates/stillrate-c/abi fuzz
 lint: .venv/.test-tools
 	cargo fmt --check
 	for crate in $(APART); do cargo fmt --check --manifest-path $$crate/Cargo.toml || exit 1; done
+	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps --package stillrate --package stillrate-lab
 	cargo clippy --workspace --all-targets --quiet -- -D warnings
 	.venv/bin/ruff check python tests benches docs examples crates
 	.venv/bin/ruff format --check python tests benches docs examples

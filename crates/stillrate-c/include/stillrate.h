@@ -608,7 +608,7 @@ typedef struct stillrate_singer_coefficients_f32 {
     float q22; /* Variance of the acceleration, s. */
 } stillrate_singer_coefficients_f32;
 
-/* What follows from the length of a step alone. */
+/* What follows from the length of a step alone; a filter holds that of its nominal period. */
 typedef struct stillrate_pace_f32 {
     float elapsed; /* Length in periods. */
     stillrate_singer_coefficients_f32 singer; /* Coefficients shared by all rungs. */
@@ -731,7 +731,7 @@ typedef struct stillrate_singer_coefficients_f64 {
     double q22; /* Variance of the acceleration, s. */
 } stillrate_singer_coefficients_f64;
 
-/* What follows from the length of a step alone. */
+/* What follows from the length of a step alone; a filter holds that of its nominal period. */
 typedef struct stillrate_pace_f64 {
     double elapsed; /* Length in periods. */
     stillrate_singer_coefficients_f64 singer; /* Coefficients shared by all rungs. */

@@ -94,7 +94,7 @@ fn word(out: &mut Vec<u8>, text: &str) {
     out.extend_from_slice(&text.as_bytes()[..text.len().min(255)]);
 }
 
-/// Reads what [`write`] wrote.
+/// Reads what [`write()`] wrote.
 ///
 /// # Errors
 /// A sentence that says why the bytes are refused.

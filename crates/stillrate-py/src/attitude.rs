@@ -41,10 +41,6 @@ fn matrix(rows: Rows3) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| rows[i][j])
 }
 
-fn refused(py: Python<'_>, error: stillrate::ConfigError) -> PyErr {
-    config_error(py, &SettingsError::Value(error))
-}
-
 #[pyfunction]
 fn rotation_exp(py: Python<'_>, vector: [f64; 3]) -> PyResult<Bound<'_, PyArray2<f64>>> {
     array(py, &so3::exp(&Vector3::from(vector)))
@@ -52,7 +48,7 @@ fn rotation_exp(py: Python<'_>, vector: [f64; 3]) -> PyResult<Bound<'_, PyArray2
 
 #[pyfunction]
 fn rotation_log(py: Python<'_>, rows: Rows3) -> PyResult<Bound<'_, PyArray1<f64>>> {
-    let checked = check_dcm(&matrix(rows)).map_err(|error| refused(py, error))?;
+    let checked = check_dcm(&matrix(rows)).map_err(|error| config_error(py, &error))?;
     Ok(PyArray1::from_slice(py, so3::log(&checked).as_slice()))
 }
 
@@ -69,14 +65,14 @@ fn rotation_from_euler(py: Python<'_>, euler: [f64; 3]) -> PyResult<Bound<'_, Py
 
 #[pyfunction]
 fn rotation_from_quaternion(py: Python<'_>, wxyz: [f64; 4]) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    array(py, &Quaternion::checked(wxyz).map_err(|error| refused(py, error))?.matrix())
+    array(py, &Quaternion::checked(wxyz).map_err(|error| config_error(py, &error))?.matrix())
 }
 
 #[pyfunction]
 fn rotation_check(py: Python<'_>, rows: Rows3, project: bool) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let given = matrix(rows);
     let checked = if project { project_to_rotation(&given) } else { check_dcm(&given) };
-    array(py, &checked.map_err(|error| refused(py, error))?)
+    array(py, &checked.map_err(|error| config_error(py, &error))?)
 }
 
 #[pyfunction]
@@ -92,7 +88,7 @@ fn inertial_attitude(
     rows: Rows3,
     elapsed_s: f64,
 ) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let attitude = Rotation::checked(matrix(rows)).map_err(|error| refused(py, error))?;
+    let attitude = Rotation::checked(matrix(rows)).map_err(|error| config_error(py, &error))?;
     array(py, earth::inertial_attitude(latitude, longitude, attitude, elapsed_s).matrix())
 }
 
@@ -184,7 +180,7 @@ fn find_reference_bias<'py>(
     let settings = settings_of(options)?;
     let mut start = Unknowns::<f64>::default();
     if let Some(rows) = options.get_item("mounting")? {
-        start.mounting = check_dcm(&matrix(rows.extract()?)).map_err(|error| refused(py, error))?;
+        start.mounting = check_dcm(&matrix(rows.extract()?)).map_err(|error| config_error(py, &error))?;
     }
     number(options, "lag_s", &mut start.lag_s)?;
     let found = py

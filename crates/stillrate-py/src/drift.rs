@@ -6,17 +6,12 @@ use stillrate_lab::servo::drift::{
     DriftError, DriftLoop, FilterPosition, LoopNoise, TransferFunction, drift, drift_in_band, lyapunov, quadrature,
     steady_state, van_loan,
 };
-use stillrate_lab::settings_map::SettingsError;
 
 use crate::convert::config_error;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(servo_variance, module)?)?;
     module.add_function(wrap_pyfunction!(servo_drift, module)?)
-}
-
-fn refused(py: Python<'_>, error: &DriftError) -> PyErr {
-    config_error(py, &SettingsError::Text(error.to_string()))
 }
 
 type Polynomials = (Vec<f64>, Vec<f64>);
@@ -41,7 +36,7 @@ fn servo_variance(
             _ => steady_state(&h),
         }
     };
-    compute().map_err(|e| refused(py, &e))
+    compute().map_err(|e| config_error(py, &e))
 }
 
 /// (white, Gauss-Markov, rate random walk) variances of the angle, and the bias gain.
@@ -90,5 +85,5 @@ fn servo_drift(
         };
         Ok((d.white, d.gauss_markov, d.rate_random_walk, bias))
     };
-    compute().map_err(|e| refused(py, &e))
+    compute().map_err(|e| config_error(py, &e))
 }

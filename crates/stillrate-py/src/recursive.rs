@@ -9,7 +9,6 @@ use stillrate::{ConfigError, GyroNoise, Settings};
 use stillrate_lab::recursive::{bench, gains, matched, scenarios, two_fixes};
 
 use crate::convert::config_error;
-use crate::vector_rls::refused;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(closed_form, module)?)?;
@@ -47,7 +46,7 @@ type Columns<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 /// Gains g1 and g2 of order 2 at samples 1..=count.
 #[pyfunction]
 fn order_2_gains(py: Python<'_>, forgetting_factor: f64, count: usize) -> PyResult<Columns<'_>> {
-    let (level, slope) = gains::order_2_gains(forgetting_factor, count).map_err(|error| refused(py, error))?;
+    let (level, slope) = gains::order_2_gains(forgetting_factor, count).map_err(|error| config_error(py, &error))?;
     Ok((level.into_pyarray(py), slope.into_pyarray(py)))
 }
 
@@ -60,14 +59,14 @@ fn fir_taps<'py>(py: Python<'py>, window: &str, length: f64, cutoff: f64) -> PyR
     };
     let defaults = FirLowPassSettings::defaults(1.0, GyroNoise::from_density_two_sided(1.0));
     let settings = FirLowPassSettings { window, length, cutoff_hz: cutoff, ..defaults };
-    let (taps, count) = settings.designed().map_err(|error| refused(py, error))?;
+    let (taps, count) = settings.designed().map_err(|error| config_error(py, &error))?;
     Ok(PyArray1::from_slice(py, &taps[..count]))
 }
 
 /// Steady-state responses of the filters with matched noise reduction.
 #[pyfunction]
 fn recursive_responses(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
-    let rows = py.detach(matched::responses).map_err(|error| refused(py, error))?;
+    let rows = py.detach(matched::responses).map_err(|error| config_error(py, &error))?;
     let dicts = rows.into_iter().map(|(name, found)| -> PyResult<_> {
         let dict = PyDict::new(py);
         dict.set_item("name", name)?;
@@ -97,7 +96,7 @@ fn recursive_bench(
         let rows = bench::table(&seeds, &one_euro)?;
         Ok((one_euro, rows))
     });
-    let (one_euro, rows) = found.map_err(|error| refused(py, error))?;
+    let (one_euro, rows) = found.map_err(|error| config_error(py, &error))?;
     let dict = PyDict::new(py);
     dict.set_item("scenarios", scenarios::SCENARIOS.iter().map(|(name, _)| *name).collect::<Vec<_>>())?;
     let tuned = (one_euro.minimum_cutoff_hz, one_euro.beta, one_euro.derivative_cutoff_hz);

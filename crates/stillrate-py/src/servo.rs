@@ -19,9 +19,10 @@ use stillrate_lab::servo::tuner::{self, Task};
 use stillrate_lab::servo::warnings::warnings;
 use stillrate_lab::settings_map::SettingsError;
 
+use crate::convert::config_error;
 use crate::servo_objects::{
     base_from, bench_from, chain_from, chain_to, controller_from, controller_to, design_from, family_from, number,
-    plant_from, refused,
+    plant_from,
 };
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -55,7 +56,7 @@ fn servo_plant(py: Python<'_>, name: &str, design: Option<&Bound<'_, PyAny>>) ->
             current_max_a: number(d, "current_max_a")?,
         }
         .plant()
-        .map_err(|e| refused(py, e))?,
+        .map_err(|e| config_error(py, &e))?,
         _ => Plant::platform_30kg(),
     };
     Ok(plant.numbers())
@@ -91,7 +92,7 @@ fn servo_run<'py>(
         samples_rad_s: samples.as_array().iter().map(|v| if v.is_finite() { v.to_radians() } else { 0.0 }).collect(),
     };
     let (start_deg, reference_deg, duration_s) = times;
-    let mut axis = bench.axis(controller_from(controller)?, 0.0).map_err(|e| refused(py, e))?;
+    let mut axis = bench.axis(controller_from(controller)?, 0.0).map_err(|e| config_error(py, &e))?;
     axis.angle_reference_rad = reference_deg.to_radians();
     axis.drive_range_rad = number(setup, "drive_range_deg")?.to_radians();
     let range = number(setup, "range_deg")?;
@@ -101,7 +102,7 @@ fn servo_run<'py>(
             let mut filter = by_name(&chain)?;
             Ok(axis.run(&mut *filter, &base, &errors, start_deg.to_radians(), duration_s)?)
         })
-        .map_err(|e: SettingsError| refused(py, e))?;
+        .map_err(|e: SettingsError| config_error(py, &e))?;
     let found = PyDict::new(py);
     let rows: Vec<Vec<f64>> = record.rows.iter().map(|row| row.to_vec()).collect();
     found.set_item("record", table(py, &rows, 8)?)?;
@@ -133,10 +134,11 @@ fn servo_open_loop<'py>(
     let plant = plant_from(plant)?;
     let base = base_from(base)?;
     let (dt, steps) = timing;
-    let start: [f64; STATES] =
-        start.try_into().map_err(|_| refused(py, ConfigError::new("start", f64::NAN, "", "a list of 7 states")))?;
+    let start: [f64; STATES] = start
+        .try_into()
+        .map_err(|_| config_error(py, &ConfigError::new("start", f64::NAN, "", "a list of 7 states")))?;
     let voltage: Vec<f64> = voltage.as_array().to_vec();
-    let states = open_loop(&plant, &base, &voltage, start, dt, steps).map_err(|e| refused(py, e))?;
+    let states = open_loop(&plant, &base, &voltage, start, dt, steps).map_err(|e| config_error(py, &e))?;
     let rows: Vec<Vec<f64>> = states.iter().map(|state| state.to_vec()).collect();
     table(py, &rows, STATES)
 }
@@ -175,7 +177,7 @@ fn servo_tune<'py>(
     if restarts < 1 || evaluations < 4 * restarts {
         let error =
             ConfigError::new("evaluations", evaluations as f64, "", "at least 4 for each of at least 1 restart");
-        return Err(refused(py, error));
+        return Err(config_error(py, &error));
     }
     let starts = starts.iter().map(|(gains, open)| design_from(gains, open.clone())).collect::<PyResult<_>>()?;
     let task = Task { budget_percent, effort: Effort { evaluations, restarts, seed }, seeds, checks, starts };
@@ -200,7 +202,7 @@ fn servo_tune<'py>(
     if let Some(error) = raised {
         return Err(error);
     }
-    let found = found.map_err(|e| refused(py, e))?;
+    let found = found.map_err(|e| config_error(py, &e))?;
     let dict = PyDict::new(py);
     dict.set_item("controller", controller_to(py, &found.design.controller)?)?;
     dict.set_item("parameters", found.design.parameters)?;
@@ -224,7 +226,8 @@ fn servo_validate<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (bench, family) = (bench_from(bench)?, family_from(family)?);
     let design = design_from(controller, parameters)?;
-    let row = py.detach(|| study::validate(&bench, &family, &design, &seeds, margins)).map_err(|e| refused(py, e))?;
+    let row =
+        py.detach(|| study::validate(&bench, &family, &design, &seeds, margins)).map_err(|e| config_error(py, &e))?;
     row_to(py, &row)
 }
 
@@ -260,5 +263,5 @@ fn servo_tilt_table(
     let (bench, family) = (bench_from(bench)?, family_from(family)?);
     let design = design_from(controller, parameters)?;
     py.detach(|| study::tilt_table(&bench, &family, &design, &tilts_deg, duration_s, &seeds))
-        .map_err(|e| refused(py, e))
+        .map_err(|e| config_error(py, &e))
 }

@@ -6,7 +6,8 @@ use stillrate_lab::servo::chain::by_name;
 use stillrate_lab::servo::describing::describe;
 use stillrate_lab::servo::study;
 
-use crate::servo_objects::{bench_from, chain_from, family_from, refused};
+use crate::convert::config_error;
+use crate::servo_objects::{bench_from, chain_from, family_from};
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(servo_integration_error, module)?)?;
@@ -29,7 +30,7 @@ fn servo_integration_error(
     let (amplitude, frequency) = motion;
     let rate = |t: f64| amplitude * (std::f64::consts::TAU * frequency * t).sine_cosine().0;
     py.detach(|| study::integration_error_deg(&bench, &family, &parameters, rate, duration_s, &seeds))
-        .map_err(|e| refused(py, e))
+        .map_err(|e| config_error(py, &e))
 }
 
 /// Gain and phase (deg) of a filter's first harmonic at each amplitude.
@@ -43,9 +44,9 @@ fn servo_describe(
     noise_sigma_dps: f64,
     run: (usize, u64),
 ) -> PyResult<Vec<(f64, f64)>> {
-    let mut filter = by_name(&chain_from(filter)?).map_err(|e| refused(py, e))?;
+    let mut filter = by_name(&chain_from(filter)?).map_err(|e| config_error(py, &e))?;
     for (name, value) in [("sample_rate_hz", sample_rate_hz), ("frequency_hz", frequency_hz)] {
-        stillrate::error::positive(name, value, "Hz").map_err(|e| refused(py, e))?;
+        stillrate::error::positive(name, value, "Hz").map_err(|e| config_error(py, &e))?;
     }
     let (periods, seed) = run;
     Ok(py.detach(|| {

@@ -15,10 +15,6 @@ use stillrate_lab::settings_map::SettingsError;
 
 use crate::convert::{config_error, settings_from, settings_to};
 
-pub(crate) fn refused<E: Into<SettingsError>>(py: Python<'_>, error: E) -> PyErr {
-    config_error(py, &error.into())
-}
-
 pub(crate) fn number(object: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
     object.getattr(name)?.extract()
 }
@@ -36,7 +32,7 @@ pub(crate) fn plant_from(object: &Bound<'_, PyAny>) -> PyResult<Plant> {
         "transcendental" => Curves::Transcendental,
         other => {
             let text = format!("curves = {other} (must be algebraic or transcendental)");
-            return Err(refused(object.py(), SettingsError::Text(text)));
+            return Err(config_error(object.py(), &SettingsError::Text(text)));
         }
     };
     Ok(plant)
@@ -81,7 +77,7 @@ pub(crate) fn base_from(object: &Bound<'_, PyAny>) -> PyResult<Base> {
             let rate: Vec<f64> = samples.as_array().iter().map(|v| v.to_radians()).collect();
             let range = number(object, "range_deg")?.to_radians();
             let recorded = Recorded::new(&rate, number(object, "sample_rate_hz")?, range);
-            Base::Recorded(recorded.map_err(|e| refused(object.py(), e))?)
+            Base::Recorded(recorded.map_err(|e| config_error(object.py(), &e))?)
         }
     })
 }

@@ -6,16 +6,11 @@ use pyo3::prelude::*;
 use std::sync::Mutex;
 use stillrate::filters::{VectorRls, VectorRlsSettings, VectorRlsState};
 use stillrate::{ConfigError, Real};
-use stillrate_lab::settings_map::SettingsError;
 
 use crate::convert::config_error;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<NativeVectorRls>()
-}
-
-pub(crate) fn refused(py: Python<'_>, error: ConfigError) -> PyErr {
-    config_error(py, &SettingsError::Value(error))
 }
 
 /// Vector least squares of any order and precision.
@@ -85,7 +80,7 @@ impl NativeVectorRls {
     ) -> PyResult<Self> {
         let settings = VectorRlsSettings { forgetting_factor, initial_covariance, trace_max };
         let built = if single { of_order::<f32>(order, settings) } else { of_order::<f64>(order, settings) };
-        let inner = Mutex::new(built.map_err(|error| refused(py, error))?);
+        let inner = Mutex::new(built.map_err(|error| config_error(py, &error))?);
         Ok(Self { inner, order: order as usize })
     }
 

@@ -1,6 +1,6 @@
 //! A network of one hidden tanh layer, e = b2 + W2 tanh(W1 x + b1) [+ c.x], with the derivatives that training needs.
 //!
-//! Parameter order: W1 row by row (hidden x inputs), b1, W2, b2, [c]. The published model is 1-10-1 without c: 31 parameters.
+//! Parameter order: W1 row by row (hidden x inputs), b1, W2, b2 and, where there is one, c. The published model is 1-10-1 without c: 31 parameters.
 //! Inputs and output are in scaled units here; [`Scaling`] is the map to deg/s.
 
 use stillrate::Real;

@@ -1,7 +1,7 @@
 //! A filter that stands in the loop, one sample at a time.
 //!
 //! Loops run at 50 to 1000 Hz and spend their time in the plant, so one indirect call a tick costs nothing; the step
-//! behind it is the library's own [`Filter::step`](stillrate::Filter::step). Rates are deg/s at a filter's edge, as everywhere in the
+//! behind it is the library's own [`Filter::step`]. Rates are deg/s at a filter's edge, as everywhere in the
 //! library.
 
 use stillrate::{Filter, Sample};

@@ -1,8 +1,8 @@
 //! Rotation vectors: Exp, Log and the right Jacobian, accurate from zero to pi and past it.
 //!
 //! Exp is Rodrigues' formula with the half angle, so that nothing cancels: with a = |v|,
-//! Exp(v) = I + (sin a / a) [v] + (1 - cos a)/a^2 [v]^2 and (1 - cos a)/a^2 = (sin(a/2) / (a/2))^2 / 2.
-//! Jr(v) = I - (1 - cos a)/a^2 [v] + (a - sin a)/a^3 [v]^2, so that Exp(v + d) = Exp(v) Exp(Jr(v) d) for small d
+//! Exp(v) = I + (sin a / a) \[v] + (1 - cos a)/a^2 \[v]^2 and (1 - cos a)/a^2 = (sin(a/2) / (a/2))^2 / 2.
+//! Jr(v) = I - (1 - cos a)/a^2 \[v] + (a - sin a)/a^3 \[v]^2, so that Exp(v + d) = Exp(v) Exp(Jr(v) d) for small d
 //! (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, vol. 2, section 10.8.6; Forster et al., IEEE T-RO 2017, eq. 7-8).
 //! Below a^2 = 1e-2 the power series is used: a switch further down loses half the digits of (a - sin a)/a^3.
 
@@ -145,7 +145,7 @@ pub fn exp_with_jacobian<T: Real>(v: &Vector3<T>) -> (Matrix3<T>, Matrix3<T>) {
     (assemble(v, first, second), assemble(v, -second, third))
 }
 
-/// Inverse of the right Jacobian, for |v| < 2 pi: I + [v]/2 + (1/a^2 - cot(a/2)/(2a)) [v]^2.
+/// Inverse of the right Jacobian, for |v| < 2 pi: I + \[v]/2 + (1/a^2 - cot(a/2)/(2a)) \[v]^2.
 ///
 /// # Example
 /// ```

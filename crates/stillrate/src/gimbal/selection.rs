@@ -165,7 +165,7 @@ impl<const N: usize> Selection<N> {
         self.turning
     }
 
-    /// The estimated coefficients by their place in [`Coefficients`], in the order of the filter state.
+    /// The estimated coefficients by their place in [`Coefficients`](super::Coefficients), in the order of the filter state.
     #[must_use]
     pub fn indices(&self) -> &[usize] {
         self.index.get(..self.count).unwrap_or(&[])
