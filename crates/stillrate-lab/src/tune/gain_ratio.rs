@@ -2,7 +2,7 @@
 //!
 //! Truth: mean (x - w)^2 over all samples of all records. Innovations (no truth needed): with R = 1 the estimate of the
 //! measurement variance is R^ = mean(v^2/F), and -2 ln L / n = ln R^ + mean(ln F) + 1 up to a constant; Q = q R^.
-//! Several records share one q and one R. Candidates run in groups side by side (see [`crate::tune::lanes`]) and groups on all threads.
+//! Several records share one q and one R. Candidates run in groups side by side and groups on all threads.
 
 use rayon::prelude::*;
 use stillrate::Real;
