@@ -23,6 +23,7 @@ extensions = [
     "settings",
     "scores",
     "elementary",
+    "shapes",
 ]
 
 source_suffix = {".md": "markdown"}
