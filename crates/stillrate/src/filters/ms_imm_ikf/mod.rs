@@ -180,7 +180,7 @@ impl<T: Real> MsImmIkf<T> {
     ) -> [Flags; W] {
         observer.frequency(s.motion.angle.0[0] / self.period_s);
         let sources = self.gather_sources(s, pace);
-        let mut weights = Weights::EVEN;
+        let mut weights = Weights::even();
         self.mix_and_predict(s, &sources, pace);
         let mut used = readings.used;
         let mut flags = readings.flags;

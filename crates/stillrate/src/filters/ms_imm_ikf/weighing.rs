@@ -23,13 +23,16 @@ pub(super) struct Weights<T, const W: usize> {
 
 impl<T: Real, const W: usize> Weights<T, W> {
     /// Before a sample has said anything.
-    pub(super) const EVEN: Self = Self {
-        exponent: [[T::ZERO; W]; MODELS],
-        factor: [[T::ONE; W]; MODELS],
-        innovation: [[T::ZERO; W]; MODELS],
-        variance: [[T::ONE; W]; MODELS],
-        outlier: [T::ZERO; W],
-    };
+    #[inline(always)]
+    pub(super) fn even() -> Self {
+        Self {
+            exponent: [[T::ZERO; W]; MODELS],
+            factor: [[T::ONE; W]; MODELS],
+            innovation: [[T::ZERO; W]; MODELS],
+            variance: [[T::ONE; W]; MODELS],
+            outlier: [T::ZERO; W],
+        }
+    }
 
     #[inline(always)]
     pub(super) fn set(&mut self, model: usize, c: usize, prior: T, evidence: &Evidence<T>) {
