@@ -64,7 +64,9 @@ def test_every_long_file_has_its_reason() -> None:
         for path in (ROOT / place).rglob("*")
     ]
     sources = [
-        path for path in files if path.suffix in (".rs", ".py", ".pyi", ".h", ".js") and not {"target", "generated"} & set(path.parts)
+        path
+        for path in files
+        if path.suffix in (".rs", ".py", ".pyi", ".h", ".js") and not {"target", "generated"} & set(path.parts)
     ]
     assert len(sources) > 400
     long = [path for path in sources if len(path.read_text(encoding="utf-8").splitlines()) > 300]
