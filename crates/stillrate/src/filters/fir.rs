@@ -201,7 +201,9 @@ impl<T: Real> Filter<T> for FirLowPass<T> {
             let mut state: FirLowPassState<T> = block::load(lanes, c);
             let mut done = 0;
             while let Some(rest) = tile.get_mut(done..).filter(|rest| !rest.is_empty()) {
-                let ordinary = time.moves && !time.restart && state.started == T::ONE;
+                // A few rows, such as those of irregular steps, are not worth the visit.
+                let enough = rest.len() >= LANES;
+                let ordinary = enough && time.moves && !time.restart && state.started == T::ONE;
                 let along = if ordinary { self.along(&mut state, rest, c) } else { 0 };
                 done += along;
                 if let (0, Some(row)) = (along, rest.first_mut()) {
